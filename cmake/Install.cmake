@@ -1,20 +1,20 @@
-# `cmake --install` installs every room with its headers, the programs, and a package for find_package(palpa):
+# `cmake --install` installs every library with its headers, the programs, and a package for find_package(palpa):
 #   find_package(palpa REQUIRED)
 #   target_link_libraries(mine PRIVATE palpa::touch palpa::array)   # or palpa::palpa, the whole engine
 include(CMakePackageConfigHelpers)
 
-get_property(rooms GLOBAL PROPERTY PALPA_ROOMS)
+get_property(libraries GLOBAL PROPERTY PALPA_OWN_LIBRARIES)
 
 add_library(palpa_everything INTERFACE)
 add_library(palpa::palpa ALIAS palpa_everything)
 set_target_properties(palpa_everything PROPERTIES EXPORT_NAME palpa)
-target_link_libraries(palpa_everything INTERFACE ${rooms})
+target_link_libraries(palpa_everything INTERFACE ${libraries})
 
-install(TARGETS ${rooms} palpa_everything EXPORT palpaTargets
+install(TARGETS ${libraries} palpa_everything EXPORT palpaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libpalpa-dev
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libpalpa-dev)
 
-# Rooms include each other as "touch/types.hpp", and the structs that they share with shaders as
+# Libraries include each other as "touch/types.hpp", and the structs that they share with shaders as
 # "shaders/touch/contacts/contacts.h".
 install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY driver viewer shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev

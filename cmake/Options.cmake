@@ -83,7 +83,7 @@ if(PALPA_SANITIZE)
   endforeach()
   # The sanitizers' data on every check and global is full of addresses. A position-independent program has to relocate
   # over a million of them at every start, and tests start thousands of programs.
-  # The rooms stay position-independent, because they are in the Python module, too; in a program, the linker resolves
+  # The libraries stay position-independent, because they are in the Python module, too; in a program, the linker resolves
   # their addresses.
   if(NOT PALPA_SANITIZE MATCHES "thread")
     target_compile_options(palpa_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>:-fno-pie>)

@@ -12,8 +12,8 @@ add_custom_target(palpa_manual
   COMMAND ${CMAKE_COMMAND} -DPALPA=$<TARGET_FILE:palpa> -DVIEWER=${viewer} -DVERSION=${PROJECT_VERSION} -DOUT=${manual}
           -DCHANGES=${PROJECT_SOURCE_DIR}/CHANGELOG.md -DCONTACT=${contact} -P ${PROJECT_SOURCE_DIR}/cmake/Manual.cmake
   VERBATIM)
-get_property(rooms GLOBAL PROPERTY PALPA_ROOMS)
-add_dependencies(palpa_manual palpa ${rooms})
+get_property(libraries GLOBAL PROPERTY PALPA_OWN_LIBRARIES)
+add_dependencies(palpa_manual palpa ${libraries})
 if(PALPA_BUILD_VIEWER)
   add_dependencies(palpa_manual palpa-viewer)
 endif()

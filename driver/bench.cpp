@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/usb/ftdi.hpp"
 #include "driver/usb/in_process.hpp"
@@ -22,10 +22,6 @@ namespace {
 constexpr std::size_t boards = 16;
 constexpr std::uint32_t each = openmpd::transducers;
 constexpr double slot_s = 250e-6;  // 4 kHz
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// A clock that advances only during sleeps, because boards take a second to come up.
 class StandingClock final : public Clock {

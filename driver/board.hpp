@@ -16,6 +16,7 @@
 
 #include <poll.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -51,6 +52,10 @@ struct BoardSpec {
   double sound_speed_m_s = 343.21;
   double ramp_s = 0;  ///< the time of a change from drive to drive, if the board can and the slot allows; 0: none
 };
+
+inline bool all_zero(std::span<const array::TransducerDrive> drive) {
+  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
+}
 
 /// The slots of a plan on a clock that the loop and its guard share.
 struct TimedSlots {

@@ -23,10 +23,6 @@ namespace {
 
 constexpr double open_patience_s = 3, close_patience_s = 0.5, retry_s = 1;
 
-bool all_zero(std::span<const array::TransducerDrive> drive) {
-  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
-}
-
 /// The time of day when CLOCK_MONOTONIC shows 0.
 double day_at_zero_s() {
   timespec now{};

@@ -88,8 +88,8 @@ class BoardLink final : public session::Link {
   }
 
  private:
-  /// Whether the guard has taken nothing for so long that it is stopped or hangs. It is then killed. A step counts as
-  /// two slots at most, so that a loop that was stopped together with the guard does not blame the guard.
+  /// Whether the guard has taken nothing for too long, and must be killed: it is stopped or hangs. A step counts as two
+  /// slots at most, so that a loop that was stopped together with the guard does not blame the guard.
   bool hangs(bool unread) {
     const double now_s = monotonic_s();
     const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.board.slot_s);

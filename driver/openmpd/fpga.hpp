@@ -63,7 +63,7 @@ class Fpga {
   std::size_t buffered() const { return used_; }
   std::size_t most_buffered() const { return most_used_; }  ///< at any time
   std::uint64_t clears() const { return clears_; }          ///< of the buffer with something in it
-  /// When the frame that sounds was shown, in seconds; negative: none was.
+  /// The time at which the frame that sounds was shown, in seconds; negative if no frame was shown.
   double shown_s() const { return shown_s_; }
 
  private:

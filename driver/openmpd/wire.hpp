@@ -60,8 +60,8 @@ class Wire {
   bool takes() const;
   /// Begins to send, one frame after the other. tend() handles any trouble. `sounds`: it is a drive to be counted.
   void send(std::span<const Frame> frames, bool sounds = false);
-  /// For a board in step that waits for another while nothing is sent. If nothing has left for so long that the board
-  /// might clear its buffer and cut the next frame, sends zeros, which begin no frame.
+  /// For a board in step that waits for another while nothing is sent. Sends zeros, which begin no frame, before the
+  /// board could clear its buffer and cut the next frame.
   void keep_awake();
   /// Starts over, if it was in step: silence, and in step again a second later.
   void resync();

@@ -64,10 +64,6 @@ void check_pace(const BoardSpec& spec, std::size_t boards) {
                   1e3 * frame_s, 1e3 * spec.slot_s, std::ceil(1e3 * frame_s)));
 }
 
-bool all_zero(std::span<const array::TransducerDrive> drive) {
-  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
-}
-
 class SonicSurface final : public Board {
  public:
   /// `notes` must outlive this object.

@@ -42,9 +42,6 @@ double Air::wave_number() const {
 double Air::stiffness_pa() const {
   return density_kg_m3 * medium.sound_speed * medium.sound_speed;
 }
-double Air::impedance_pa_s_m() const {
-  return density_kg_m3 * medium.sound_speed;
-}
 
 Air air_of(const Weather& weather, double hz, const std::optional<double>& sound_speed) {
   check(weather.humidity_percent, 0, 100, "a humidity", "percent");

@@ -30,9 +30,8 @@ struct Air {
   double density_kg_m3 = 0;
   double absorption_np_m = 0;  ///< 0: no absorption
 
-  double wave_number() const;       ///< 1/m
-  double stiffness_pa() const;      ///< rho c^2
-  double impedance_pa_s_m() const;  ///< rho c
+  double wave_number() const;   ///< 1/m
+  double stiffness_pa() const;  ///< rho c^2
 };
 
 /// `hz` is the frequency of the tone. A given sound speed replaces only the speed that follows from the temperature.

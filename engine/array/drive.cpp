@@ -8,8 +8,8 @@
 #include <iterator>
 #include <numbers>
 
-#include "array/crowd.hpp"
 #include "array/free_drives.hpp"
+#include "array/many_foci.hpp"
 #include "array/solvers/back_propagation.hpp"
 #include "array/solvers/greedy.hpp"
 #include "base/error.hpp"
@@ -176,7 +176,7 @@ void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveSc
   scratch.sources.clear();
   for (const SlotFocus& focus : foci) {
     if (!drivable(focus)) continue;
-    scratch.sources.push_back({focus.position, reach_of(layout, focus.position), gain_of(focus)});
+    scratch.sources.push_back({focus.position, farthest_distance(layout, focus.position), gain_of(focus)});
   }
 }
 

@@ -12,23 +12,13 @@
 //
 //   normalise: |G| / max(|S|, |G|), the largest taken over all transducers; uniform: 1; clamp: |G|; never above 1
 //
-// The largest |S| does not depend on gains. It is larger than the largest |G|, unless gains are so unequal that the
-// remaining foci no longer share the array with the others. Normalising |G| by its own largest value would cancel the
-// modulation. A gain that all foci share is therefore exactly one scalar over the whole drive, with unchanged phases.
-// If the gains of fingers differ, each focus' share of the sum is modulated, under `uniform` only through the phases. A
-// single focus is exactly the paper's q_k times its gain, with any solver.
+// With max |S|, which no gain changes, a gain that all foci share is one scalar over the whole drive. max |G| counts
+// only where it is larger, with very unequal gains. A single focus is q_k times its gain, with any solver.
 //
-// If foci request a pressure, the constraint has no effect: G is then the sum of c_j q_j, with the factors that give
-// each focus its requested pressure (slot_pressures.hpp), and the amplitude is |G|, at most 1 everywhere.
-//
-// The above is the solver `naive`. The others choose how several foci share the array, and consider the influence of
-// the foci on each other (docs/solvers.md): `gs_pat` gives each q_j complex factors, one set for S and one for G
-// (gs_pat.hpp); `greedy` chooses the phases of the transducers directly, all at amplitude g (greedy.hpp). `eigenvalue`
-// and `back_propagation` find factors as the literature does, to compare (eigenvalue.hpp, back_propagation.hpp). A slot
-// with more than most_solved_foci foci is solved by `naive` under every solver, or by crowd.hpp if foci request a
-// pressure.
-//
-// With nulls (DriveOptions::nulls), every slot that sounds is solved as null_drive.hpp says, whatever the solver.
+// If foci request a pressure, the constraint has no effect: G is then the sum of c_j q_j (slot_pressures.hpp), and the
+// amplitude is |G|, at most 1 everywhere. The above is the solver `naive`; for the others, see solvers/ and
+// docs/solvers.md. Slots with more than most_solved_foci foci are solved by `naive`, or by many_foci.hpp if foci
+// request a pressure. With nulls, null_drive.hpp solves every slot.
 #pragma once
 
 #include <complex>

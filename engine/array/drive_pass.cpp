@@ -91,7 +91,7 @@ std::uint32_t DriveMemory::fitting_slots(const gpu::Device& device, std::size_t 
 
 DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const DriveOptions& options,
                          std::uint32_t most_slots, std::uint32_t most_foci)
-    : layout_(layout), options_(options), reach_(layout), most_slots_(most_slots), most_foci_(most_foci) {
+    : layout_(layout), options_(options), farthest_(layout), most_slots_(most_slots), most_foci_(most_foci) {
   if (options.transfer)
     throw bad_usage("a device computes the free field only: foci on a finger are driven on the host");
   const double turns_per_metre = options.medium.turns_per_metre();
@@ -165,7 +165,7 @@ bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
            ears_sources_.clear();
            for (const SlotFocus& focus : foci) {
              if (drivable(focus))
-               ears_sources_.push_back({focus.position, reach_.farthest(focus.position), gain_of(focus)});
+               ears_sources_.push_back({focus.position, farthest_.distance_from(focus.position), gain_of(focus)});
            }
            ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
            return are_near(ears_columns_, ears_matrix_);
@@ -254,7 +254,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci, std::span<const std:
 void DriveMemory::add_focus(const SlotFocus& focus, float gain) {
   const shader::DrivePoint point = drive_point(focus.position, options_.medium.turns_per_metre());
   shader::DriveFocus entry{point.coarse, point.fine};
-  const double reach = reach_.farthest(focus.position) * options_.medium.turns_per_metre();
+  const double reach = farthest_.distance_from(focus.position) * options_.medium.turns_per_metre();
   // A distance that no float distinguishes from 0 counts as at the focus.
   entry.coarse.w = reach > 1e-6 ? static_cast<float>(1 / reach) : 0;
   entry.fine.w = gain;

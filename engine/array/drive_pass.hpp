@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "array/drive.hpp"
+#include "array/farthest.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/reach.hpp"
 #include "array/slot_drives.hpp"
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"
@@ -105,7 +105,7 @@ class DriveMemory {
  private:
   Layout layout_;
   DriveOptions options_;
-  Reach reach_{Layout{}};
+  FarthestTransducer farthest_{Layout{}};
   std::uint32_t most_slots_ = 0, most_foci_ = 0;
   gpu::Upload transducers_, foci_, slots_, factors_;
   gpu::TexelView transducer_texels_, focus_texels_, slot_texels_, factor_texels_;
@@ -136,7 +136,7 @@ class DriveMemory {
 
   bool fits(std::size_t foci) const { return batch_.slots < most_slots_ && foci <= most_foci_ - used_foci_; }
   void reserve_host_drives(bool ends_long_loops);
-  /// Whether the solver seeks the phases of such slots, if foci are near each other.
+  /// Whether the solver searches for phases if foci are near each other.
   bool may_seek() const;
   bool seeks(std::span<const SlotFocus> foci, std::size_t count);
   bool add_host_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);

@@ -34,16 +34,16 @@ struct Places {
   }
 };
 
-/// The amplitude that a focus asks of a transducer: its distance over the reach, or 1. One formula for both, because
-/// compilers do not vectorise a loop with a choice.
+/// The amplitude that a focus asks of a transducer: its distance over that of the farthest one, or 1. One formula for
+/// both, because compilers do not vectorise a loop with a choice.
 struct Asked {
-  double slope, level, reach;
+  double slope, level, farthest;
 
   Asked(const FocusSource& source, Weighting weighting)
-      : slope(weighting == Weighting::uniform || source.reach == 0 ? 0 : 1),
+      : slope(weighting == Weighting::uniform || source.farthest == 0 ? 0 : 1),
         level(1 - slope),
-        reach(slope > 0 ? source.reach : 1) {}
-  [[gnu::always_inline]] inline double at(double distance) const { return (distance * slope + level) / reach; }
+        farthest(slope > 0 ? source.farthest : 1) {}
+  [[gnu::always_inline]] inline double at(double distance) const { return (distance * slope + level) / farthest; }
 };
 
 struct OneFocus {
@@ -201,7 +201,7 @@ PALPA_AVX2 double farthest_avx2(const Layout& layout, const Vec3& focus) {
 
 }  // namespace
 
-double reach_of(const Layout& layout, const Vec3& focus) {
+double farthest_distance(const Layout& layout, const Vec3& focus) {
   return (has_avx2() ? farthest_avx2 : farthest_plain)(layout, focus);
 }
 

@@ -19,7 +19,7 @@ namespace palpa::array {
 }
 
 /// The distance of the farthest transducer from a focus.
-double reach_of(const Layout& layout, const Vec3& focus);
+double farthest_distance(const Layout& layout, const Vec3& focus);
 
 /// The paper's q_k of one focus times its gain.
 void drive_focus_in_free_field(const Layout& layout, const FocusSource& source, Weighting weighting,

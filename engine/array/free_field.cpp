@@ -56,8 +56,8 @@ struct Wanted {
   for (std::size_t n = 0; n < columns.transducers; ++n) {
     for (std::size_t j = 0; j < foci; ++j) {
       double& asked = columns.asked[n * foci + j];
-      const double reach = wanted.foci[j].reach;
-      asked = wanted.weighting == Weighting::uniform || reach == 0 ? 1.0 : asked / reach;
+      const double farthest = wanted.foci[j].farthest;
+      asked = wanted.weighting == Weighting::uniform || farthest == 0 ? 1.0 : asked / farthest;
     }
   }
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "array/crowd.hpp"
+#include "array/many_foci.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
@@ -34,7 +34,7 @@ double part_of(const Voice& voice, const SlotFocus& focus) {
 }  // namespace
 
 Loudness::Loudness(const Layout& layout, const DriveOptions& options)
-    : layout_(layout), options_(options), reach_(layout) {
+    : layout_(layout), options_(options), farthest_(layout) {
   transfer_of(layout, options_, free_field_);
   for (std::vector<float>* values : {&re_, &im_, &own_re_, &own_im_})
     values->resize(layout.transducers.size());
@@ -111,7 +111,7 @@ void Loudness::find_sources(std::size_t first, std::size_t count) {
   for (const SlotFocus& focus : std::span(foci_).subspan(first, count)) {
     // A focus that cannot be driven still has a column, which no drive uses.
     const Vec3 place = drivable(focus) ? focus.position : Vec3(0);
-    sources_.push_back({place, reach_.farthest(place), 1});
+    sources_.push_back({place, farthest_.distance_from(place), 1});
   }
 }
 

@@ -6,7 +6,7 @@
 // one factor for all of its foci and slots (levels.hpp). If some fingers have no request, they sound as in the paper,
 // with the rest of the array. Such a finger gets less if the array does not resolve it from a finger with a request,
 // because it must not make the latter louder. In slots of more than most_solved_foci foci no focus is louder than
-// requested (crowd.hpp).
+// requested (many_foci.hpp).
 //
 // Everything is in double precision and the same on every run; a device only sums up the drives.
 #pragma once
@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "array/drive.hpp"
+#include "array/farthest.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
-#include "array/reach.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_pressures.hpp"
 
@@ -45,7 +45,7 @@ class Loudness {
     std::size_t first = 0, count = 0;
     FocusMatrix matrix;
   };
-  /// One slot, which consists of one or several parts (crowd.hpp).
+  /// One slot, which consists of one or several parts (many_foci.hpp).
   struct Slot {
     std::size_t first = 0, count = 0;
     std::size_t first_part = 0, parts = 0;
@@ -71,7 +71,7 @@ class Loudness {
 
   const Layout& layout_;
   DriveOptions options_;
-  Reach reach_;
+  FarthestTransducer farthest_;
   FreeField free_field_;
   Columns columns_;
   PressureScratch scratch_;

@@ -42,7 +42,7 @@ struct NullScratch {
   PeakScratch peaks;
 };
 
-/// Room for so many foci, or for most_solved_foci.
+/// Reserves memory for `most_foci` foci, at most most_solved_foci.
 void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci);
 
 /// Replaces `sums`, one per transducer, by a drive for the foci of `columns`. Returns the largest magnitude of these

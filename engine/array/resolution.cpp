@@ -10,7 +10,7 @@ std::vector<FocusPair> unresolved_pairs(const Layout& layout, std::span<const Sl
   std::vector<std::size_t> numbers;
   for (std::size_t j = 0; j < foci.size(); ++j) {
     if (!drivable(foci[j])) continue;
-    sources.push_back({foci[j].position, reach_of(layout, foci[j].position), 1});
+    sources.push_back({foci[j].position, farthest_distance(layout, foci[j].position), 1});
     numbers.push_back(j);
   }
   std::vector<FocusPair> pairs;

@@ -88,7 +88,7 @@ struct Schedule {
   }
 };
 
-/// Reserves room for so many voices of so many foci.
+/// Reserves memory for `voices` voices of `foci` foci each.
 void reserve(Schedule& schedule, std::uint32_t voices, std::uint32_t foci);
 
 /// No array comes near this limit. Linear acoustics ends far below, at linear_pressure_pa: beyond that, the energy goes

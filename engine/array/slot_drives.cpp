@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 
+#include "base/now.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::array {
@@ -11,10 +11,6 @@ namespace {
 
 /// Starting a thread takes a twentieth of this. It also disturbs the thread that sends drives on time.
 constexpr double alone_ms = 2;
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 

@@ -89,6 +89,19 @@ void add_signed(Complex factor, double sign, const SplitRows& from, std::size_t 
   (has_avx2() ? add_avx2 : add_plain)(factor, sign, row_of(from, row_from), row_of(to, row_to), to.stride);
 }
 
+/// `sign` 1: in phase with the arriving pressure; -1: conjugate.
+void split(const Columns& columns, const std::vector<double>& sizes, double sign, SplitRows& rows) {
+  rows.reset(columns.foci, columns.transducers);
+  for (std::size_t j = 0; j < columns.foci; ++j) {
+    const RowOut row = row_of(rows, j);
+    for (std::size_t n = 0; n < columns.transducers; ++n) {
+      const std::size_t entry = n * columns.foci + j;
+      row.re[n] = sizes[entry] * columns.cosine[entry];
+      row.im[n] = sign * sizes[entry] * columns.sine[entry];
+    }
+  }
+}
+
 }  // namespace
 
 void SplitRows::reset(std::size_t row_count, std::size_t transducer_count) {
@@ -100,27 +113,10 @@ void SplitRows::reset(std::size_t row_count, std::size_t transducer_count) {
 }
 
 void split_sounds(const Columns& columns, SplitRows& sounds) {
-  sounds.reset(columns.foci, columns.transducers);
-  for (std::size_t j = 0; j < columns.foci; ++j) {
-    const RowOut row = row_of(sounds, j);
-    for (std::size_t n = 0; n < columns.transducers; ++n) {
-      const std::size_t entry = n * columns.foci + j;
-      row.re[n] = columns.loud[entry] * columns.cosine[entry];
-      row.im[n] = columns.loud[entry] * columns.sine[entry];
-    }
-  }
+  split(columns, columns.loud, 1, sounds);
 }
-
 void split_asked(const Columns& columns, SplitRows& asked) {
-  asked.reset(columns.foci, columns.transducers);
-  for (std::size_t j = 0; j < columns.foci; ++j) {
-    const RowOut row = row_of(asked, j);
-    for (std::size_t n = 0; n < columns.transducers; ++n) {
-      const std::size_t entry = n * columns.foci + j;
-      row.re[n] = columns.asked[entry] * columns.cosine[entry];
-      row.im[n] = -columns.asked[entry] * columns.sine[entry];
-    }
-  }
+  split(columns, columns.asked, -1, asked);
 }
 
 Complex product(const SplitRows& a, std::size_t row_a, const SplitRows& b, std::size_t row_b) {

@@ -29,8 +29,8 @@ struct FocusWeight {
 /// One focus of a slot.
 struct FocusSource {
   Vec3 position;
-  double reach;  ///< distance of the farthest transducer
-  double gain;   ///< 0..1
+  double farthest;  ///< distance of the farthest transducer
+  double gain;      ///< 0..1
 };
 
 /// The columns of a slot's foci, entry [transducer * foci + focus] of each.

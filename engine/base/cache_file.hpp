@@ -25,6 +25,12 @@ class CacheHash {
     static_assert(std::is_trivially_copyable_v<T>);
     add(&value, sizeof(value));
   }
+  /// Hashes the number of values, then the values.
+  template <typename T>
+  void add(const std::vector<T>& values) {
+    add(values.size());
+    add(values.data(), values.size() * sizeof(T));
+  }
   const CacheKey& key() const { return key_; }
 
  private:
@@ -44,6 +50,12 @@ struct CacheFile {
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
 };
+
+/// The bytes of a vector or a string, as a section.
+template <typename Values>
+std::span<const std::byte> bytes_of(const Values& values) {
+  return std::as_bytes(std::span(values.data(), values.size()));
+}
 
 /// Loads what store_cached stored under this kind and key: $XDG_CACHE_HOME/palpa/KIND-KEY, else
 /// ~/.cache/palpa/KIND-KEY. Returns null if there is no such file, if PALPA_CACHE is "off", and if the file is

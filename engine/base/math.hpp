@@ -2,6 +2,9 @@
 // floats.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -24,6 +27,10 @@ inline Vec3 transform_direction(const Transform& T_a_b, const Vec3& direction_b)
   return Vec3(T_a_b * Vec4(direction_b, 0.0));
 }
 
+inline bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 /// Axis-aligned box; empty when any low > high.
 struct Box {
   Vec3 low{1e300, 1e300, 1e300};
@@ -35,6 +42,13 @@ struct Box {
     high = Vec3(p.x > high.x ? p.x : high.x, p.y > high.y ? p.y : high.y, p.z > high.z ? p.z : high.z);
   }
   Vec3 centre() const { return (low + high) * 0.5; }
+  /// Bits 0 to 2 of a corner's number tell where it is at `high`: on x, y, z.
+  std::array<Vec3, 8> corners() const {
+    std::array<Vec3, 8> all;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      all[i] = {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+    return all;
+  }
 };
 
 }  // namespace palpa

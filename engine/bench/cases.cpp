@@ -1,13 +1,13 @@
 // The benchmark's cases. Inputs are the paper's: its objects and finger, three D415, 3984 transducers.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <random>
 
 #include "array/drive_pass.hpp"
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
@@ -22,10 +22,6 @@
 
 namespace palpa::bench {
 namespace {
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 [[noreturn]] void wrong(const std::string& what) {
   throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", what));

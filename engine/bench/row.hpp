@@ -1,4 +1,4 @@
-// A row of the report of `palpa bench`. The engine and the rooms above it make rows for their measurements.
+// A row of the report of `palpa bench`. The engine and the driver make rows for their measurements.
 #pragma once
 
 #include <cstdint>

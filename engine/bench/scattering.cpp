@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -33,6 +32,7 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/mesh/icosphere.hpp"
@@ -51,10 +51,6 @@ constexpr std::uint32_t most_runs = 5;
 constexpr std::size_t large = 50'000;
 /// Larger bodies are not compared with the dense operator: its memory and time grow too fast.
 constexpr std::size_t most_compared = 20'000;
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Area-weighted relative L2 error of the total pressure at the faces' centroids.
 double error_of(const RigidBody& body, const acoustics::Waves& wave, const SphereSeries& exact) {

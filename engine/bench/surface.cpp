@@ -3,7 +3,6 @@
 #include <stdlib.h>  // setenv
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +12,7 @@
 
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
@@ -27,10 +27,6 @@
 
 namespace palpa::bench {
 namespace {
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// A ball with dents, 100 mm across, its top at y = 0: closed, concave nearly everywhere, of about `faces` faces.
 geometry::Mesh dented_ball(std::uint32_t faces) {

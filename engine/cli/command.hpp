@@ -1,5 +1,5 @@
-// How to add a subcommand to `palpa`, from the engine or from a room above it. A function add_NAME(Program&) adds it to
-// the command line. Its work is a function that runs after the complete line has been parsed.
+// How to add a subcommand to `palpa`, from the engine or the driver. A function add_NAME(Program&) adds it to the
+// command line. Its work is a function that runs after the complete line has been parsed.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ namespace palpa::cli {
 
 struct Program;
 
-/// The extensions from rooms above the engine. main() fills them in, so the engine never includes these rooms.
+/// The extensions from the driver. main() fills them in, so the engine never includes the driver.
 struct Extensions {
   std::vector<DoctorProbe> doctor{};
   std::vector<session::LinkKind> links{};

@@ -1,5 +1,5 @@
-// The report of `palpa doctor`. A probe looks for one kind of thing and reports what it found. Rooms above the engine
-// add their own probes.
+// The report of `palpa doctor`. A probe looks for one kind of thing and reports what it found. The driver adds
+// its own probes.
 #pragma once
 
 #include <cstdint>

@@ -11,36 +11,25 @@ constexpr const char* touches_kind = "touches";
 /// To be raised when the computation changes.
 constexpr std::uint32_t touches_version = 3;
 
-template <typename T>
-void add_all(CacheHash& hash, const std::vector<T>& values) {
-  hash.add(values.size());
-  hash.add(values.data(), values.size() * sizeof(T));
-}
-
-template <typename T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
-
 }  // namespace
 
 CacheKey key_of(const ResponseSource& source, const ObservedMethod& observed) {
   CacheHash hash;
   hash.add(touches_version);
-  add_all(hash, source.finger.mesh().positions);
-  add_all(hash, source.finger.mesh().triangles);
+  hash.add(source.finger.mesh().positions);
+  hash.add(source.finger.mesh().triangles);
   hash.add(source.finger.air().wave_number());
   for (const geometry::Solid& solid : source.solids) {
-    add_all(hash, solid.mesh.positions);
-    add_all(hash, solid.mesh.triangles);
+    hash.add(solid.mesh.positions);
+    hash.add(solid.mesh.triangles);
   }
-  add_all(hash, source.depths_m);
+  hash.add(source.depths_m);
   for (const observer::FingerPlace& place : source.places) {
     hash.add(place.x_m);
     hash.add(place.z_m);
     hash.add(place.yaw_rad);
   }
-  add_all(hash, source.factors);
+  hash.add(source.factors);
   hash.add(observer::observed_samples);
   hash.add(observer::settling_samples);
   const study::PlanMethod& m = observed.method;

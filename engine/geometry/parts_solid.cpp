@@ -102,15 +102,9 @@ CacheKey cache_key(const Mesh& mesh, const DecomposeOptions& options) {
   hash.add(options.parts);
   hash.add(options.resolution);
   hash.add(options.error_percent);
-  hash.add(mesh.positions.size());
-  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.positions);
   hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
   return hash.key();
-}
-
-template <typename T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values.data(), values.size()));
 }
 
 /// Stores each part's corners, from which the hull is made again with the same bits.

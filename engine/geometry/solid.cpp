@@ -46,15 +46,9 @@ std::optional<CacheKey> cache_key(const Mesh& mesh, SurfaceKind kind) {
   CacheHash hash;
   hash.add(solid_version);
   hash.add(static_cast<std::uint32_t>(kind));
-  hash.add(mesh.positions.size());
-  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.positions);
   hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
   return hash.key();
-}
-
-template <typename T>
-std::span<const std::byte> bytes_of(const T& values) {
-  return std::as_bytes(std::span(values.data(), values.size()));
 }
 
 void store(const CacheKey& key, const SolidMesh& solid) {
@@ -106,7 +100,7 @@ Solid make_solid(const std::string& file, Candidate c, SurfaceKind kind, Open op
   return solid;
 }
 
-/// `mesh`, assembled in the same way as `made` was from `first`, of which it is a rigid copy.
+/// Assembles `mesh` as `made` was assembled from a rigid copy of it.
 Mesh put_together(const Mesh& mesh, const std::vector<std::uint32_t>& vertices, const Mesh& made) {
   Mesh out{{}, made.triangles};
   out.positions.reserve(vertices.size());

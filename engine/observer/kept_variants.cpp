@@ -11,12 +11,6 @@ constexpr const char* decisions_kind = "decisions";
 /// To be raised when the computation changes.
 constexpr std::uint32_t decisions_version = 2;
 
-template <typename T>
-void add_values(CacheHash& hash, const std::vector<T>& values) {
-  hash.add(values.size());
-  hash.add(values.data(), values.size() * sizeof(T));
-}
-
 /// Accuracy, whether there is an interval, its ends, error; then the shares.
 constexpr std::size_t numbers_before_shares = 5;
 
@@ -26,17 +20,17 @@ CacheKey key_of(const Responses& responses) {
   CacheHash hash;
   hash.add(responses.shapes.size());
   hash.add(responses.methods.size());
-  add_values(hash, responses.depths_m);
+  hash.add(responses.depths_m);
   hash.add(responses.placements);
   hash.add(responses.levels.size());
-  add_values(hash, responses.areas_cm2);
+  hash.add(responses.areas_cm2);
   hash.add(responses.seconds_counted);
   for (const TouchResponse& touch : responses.touches) {
     hash.add(touch.counts.size());
     for (const std::vector<float>& level : touch.counts)
-      add_values(hash, level);
+      hash.add(level);
     for (const std::vector<float>* map : {&touch.at_once, &touch.mean_stress, &touch.flutter, &touch.vibration})
-      add_values(hash, *map);
+      hash.add(*map);
   }
   return hash.key();
 }

@@ -1,7 +1,7 @@
 // What the ideal observer predicts for a study, from one measured accuracy of one method.
 //
 // The only number that is fitted is the internal noise: with it, the predicted accuracy of one method equals the
-// measured one. Results of people do not enter anywhere else; beside.hpp puts them beside the prediction.
+// measured one. Results of people do not enter anywhere else; comparison.hpp puts them beside the prediction.
 #pragma once
 
 #include <cstddef>

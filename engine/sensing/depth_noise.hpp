@@ -60,7 +60,7 @@ enum class Risk : std::uint8_t {
 /// Finds the risks of the pixels in `box` from everything up to rim_px around them. `risks` covers the whole image.
 void find_risks(const DepthImage& image, const PixelBox& box, std::span<Risk> risks);
 
-/// The pixels of a row, end excluded, outside of which nothing is visible.
+/// The part of a row of pixels, end excluded, that contains everything visible.
 struct RowSpan {
   std::uint32_t begin = 0, end = 0;
 };

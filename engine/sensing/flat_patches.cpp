@@ -18,6 +18,8 @@ constexpr double noise_factor = 4;                   // a patch's points are wit
                                                      // plane,
 constexpr double least_m = 0.6e-3, most_m = 2.5e-3;  // within these limits
 constexpr int refits = 3;
+constexpr std::uint32_t least_points = 150;
+constexpr std::size_t most_patches = 60;
 
 /// Sums for 1 / z = a x + b y + c over rays (x, y, 1).
 struct InverseDepth {
@@ -93,7 +95,7 @@ class Growing {
 
   bool taken(const Seed& seed) const { return mark_[index(seed.u, seed.v)] == used; }
 
-  std::optional<FlatPatch> grow(const Seed& seed, std::uint32_t least_points) {
+  std::optional<FlatPatch> grow(const Seed& seed) {
     Vec3 plane = seed.plane;
     for (int round = 0; round <= refits; ++round) {
       flood(seed, plane);
@@ -154,7 +156,7 @@ class Growing {
 
 }  // namespace
 
-std::vector<FlatPatch> find_flat_patches(const StillImage& image, const FlatOptions& options) {
+std::vector<FlatPatch> find_flat_patches(const StillImage& image) {
   const std::vector<Seed> seeds = find_seeds(image);
   std::vector<FlatPatch> patches;
   if (seeds.empty()) return patches;
@@ -162,11 +164,11 @@ std::vector<FlatPatch> find_flat_patches(const StillImage& image, const FlatOpti
   Growing growing(image, std::clamp(noise_factor * noise, least_m, most_m));
   for (const Seed& seed : seeds) {
     if (growing.taken(seed)) continue;
-    if (const auto patch = growing.grow(seed, options.least_points)) patches.push_back(*patch);
+    if (const auto patch = growing.grow(seed)) patches.push_back(*patch);
   }
   std::stable_sort(patches.begin(), patches.end(),
                    [](const FlatPatch& a, const FlatPatch& b) { return a.points > b.points; });
-  if (patches.size() > options.most) patches.resize(options.most);
+  if (patches.size() > most_patches) patches.resize(most_patches);
   return patches;
 }
 

@@ -15,14 +15,10 @@ struct FlatPatch {
   std::uint32_t points = 0;
 };
 
-struct FlatOptions {
-  std::uint32_t least_points = 150;
-  std::size_t most = 60;  ///< keeps only the largest
-};
-
 /// Regions of neighbouring pixels that lie in one plane within the image's own noise, grown from the flattest places. A
 /// plane is linear in 1 / z over the rays, and a stereo camera's noise is even in 1 / z. Planes are therefore fitted in
-/// 1 / z. Each pixel belongs to at most one patch; the largest come first. The same image gives the same patches.
-std::vector<FlatPatch> find_flat_patches(const StillImage& image, const FlatOptions& options = {});
+/// 1 / z. Each pixel belongs to at most one patch. Returns the 60 largest of at least 150 points, the largest first.
+/// The same image gives the same patches.
+std::vector<FlatPatch> find_flat_patches(const StillImage& image);
 
 }  // namespace palpa::sensing

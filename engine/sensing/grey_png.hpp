@@ -19,7 +19,7 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
 void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                std::vector<std::uint8_t>& out);
 
-/// A 16-bit image that says of which camera it is: `camera` is the text that write_png16 was given, or empty.
+/// The same, with the text that write_png16 was given as `camera`, or an empty one.
 void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::vector<std::uint16_t>& out, std::string& camera);
 

@@ -40,11 +40,9 @@ struct Outline {
 /// of the camera projects into the bounds of its projected corners.
 Outline outline(const Camera& camera, const Box& box, double nearest) {
   const Transform T_camera_world = glm::inverse(camera.T_world_camera);
-  std::array<Vec3, 8> corners;
-  for (unsigned i = 0; i < 8; ++i) {
-    const Vec3 corner(i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z);
-    corners[i] = transform_point(T_camera_world, corner);
-  }
+  std::array<Vec3, 8> corners = box.corners();
+  for (Vec3& corner : corners)
+    corner = transform_point(T_camera_world, corner);
   Outline out;
   for (unsigned i = 0; i < 8; ++i) {
     if (corners[i].z >= nearest) out.add(corners[i]);

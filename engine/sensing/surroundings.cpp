@@ -26,10 +26,8 @@ bool overlap(const Box& a, const Box& b, double slack) {
 /// The box around a box that is moved.
 Box moved(const Transform& T, const Box& box) {
   Box out;
-  for (int i = 0; i < 8; ++i) {
-    out.add(transform_point(
-        T, {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z}));
-  }
+  for (const Vec3& corner : box.corners())
+    out.add(transform_point(T, corner));
   return out;
 }
 

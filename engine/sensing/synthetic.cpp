@@ -10,16 +10,15 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "sensing/crowd.hpp"
 #include "sensing/depth_noise.hpp"
+#include "sensing/hierarchical_z.hpp"
 #include "sensing/triangle_edges.hpp"
 
 namespace palpa::sensing {
 namespace {
 
-/// From this many rays per pixel of an image, triangles are drawn as a crowd (crowd.hpp), which costs more per
-/// triangle.
-constexpr std::uint64_t crowded = 16;
+/// From this many rays per pixel of an image, triangles are drawn by hierarchical_z.hpp, which costs more per triangle.
+constexpr std::uint64_t rays_before_hierarchy = 16;
 /// Maximum number of rays: per pixel of an image, or for the pictures of all cameras if that is more; and per triangle.
 constexpr std::uint64_t most_looks_per_pixel = 64, most_looks = std::uint64_t{1} << 27, most_looks_per_triangle = 1000;
 
@@ -103,7 +102,7 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
 
   PixelBox drawn;
   std::uint64_t looks = 0;
-  std::vector<CrowdTriangle> crowd;  // triangles that come after too many rays have been cast
+  std::vector<PlacedTriangle> late;  // triangles that come after too many rays have been cast
   const auto draw_box = [&](const TriangleEdges& edges, const PixelBox& box) {
     drawn = around(drawn, box);
     looks += std::uint64_t{box.x1 - box.x0} * (box.y1 - box.y0);
@@ -124,7 +123,7 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
     const Corner &a = corners_[corner.x], &b = corners_[corner.y], &c = corners_[corner.z];
     const auto [near, far] = std::minmax({a.position.z, b.position.z, c.position.z});
     if (far <= 0) continue;
-    const bool is_crowded = looks > crowded * pixel_count(camera);
+    const bool is_late = looks > rays_before_hierarchy * pixel_count(camera);
     const bool behind = near < 1e-6;  // reaches behind the camera, so has no bounds
     const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
     const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
@@ -139,9 +138,9 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
     const TriangleEdges edges(a.position, b.position, c.position);
     if (!edges.visible()) continue;
     if (table.pinhole || behind) {
-      if (is_crowded) {
+      if (is_late) {
         drawn = around(drawn, box);
-        crowd.push_back({.edges = edges, .box = box, .near = near});
+        late.push_back({.edges = edges, .box = box, .near = near});
       } else {
         draw_box(edges, box);
       }
@@ -156,7 +155,7 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
         if (tile.low.x > high_x || tile.high.x < low_x || tile.low.y > high_y || tile.high.y < low_y) continue;
         const PixelBox here{tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
                             std::min((ty + 1) * tile_pixels, table.height)};
-        if (is_crowded) {
+        if (is_late) {
           tiles = around(tiles, here);
         } else {
           draw_box(edges, here);
@@ -165,11 +164,11 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
     }
     if (tiles.empty()) continue;
     drawn = around(drawn, tiles);
-    crowd.push_back({edges, tiles, {low_x, low_y}, {high_x, high_y}, near});
+    late.push_back({edges, tiles, {low_x, low_y}, {high_x, high_y}, near});
   }
   const std::uint64_t most = std::max(most_looks / cameras_.size(), most_looks_per_pixel * pixel_count(camera)) +
                              most_looks_per_triangle * mesh.triangles.size();
-  if (!draw_crowd(table, rays, crowd, layer.depth, layer.slant, most, looks)) {
+  if (!draw_hierarchical_z(table, rays, late, layer.depth, layer.slant, most, looks)) {
     throw bad_input(name,
                     fmt::format("camera \"{}\" sees so many of its triangles behind each other that a picture takes "
                                 "more than {} million rays; leave out surfaces inside the mesh or on top of each other",

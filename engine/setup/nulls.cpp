@@ -13,8 +13,8 @@
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/free_field.hpp"
+#include "array/plausible.hpp"
 #include "array/split_rows.hpp"
-#include "array/usual.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -136,7 +136,7 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
     const Vec3& place = nulls.back().position;
     const std::string what = fmt::format("--null: '{}'", shortened(printable(text), 60));
     refuse_place(layout, place, what);
-    if (const std::string odd = array::unusual_place(layout, {place, place}); !odd.empty())
+    if (const std::string odd = array::implausible_place(layout, {place, place}); !odd.empty())
       throw bad_usage(what + " " + odd);
   }
   options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, nulls);

@@ -15,8 +15,8 @@ namespace palpa::setup {
 void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame);
 
 /// Sets DriveOptions::nulls for the layout as posed, unless no nulls are given. Throws bad_usage, naming the text, for
-/// one that is no null, at a transducer, or where the array hardly sounds (array/usual.hpp); for too many; and without
-/// transducers.
+/// one that is no null, at a transducer, or where the array hardly sounds (array/plausible.hpp); for too many; and
+/// without transducers.
 void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options);
 
 /// Before a drive is made: throws bad_usage for a null at a focus, and warns of one that the array does not resolve

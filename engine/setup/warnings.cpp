@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "array/usual.hpp"
+#include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -77,7 +77,7 @@ void warn_of_size(std::span<const geometry::Solid> solids) {
 }
 
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium) {
-  if (const std::string odd = array::unusual_frequency(layout, medium.frequency); !odd.empty())
+  if (const std::string odd = array::implausible_frequency(layout, medium.frequency); !odd.empty())
     log::warning("--frequency: " + odd);
 }
 
@@ -92,7 +92,7 @@ void refuse_place(const array::Layout& layout, const Vec3& place, const std::str
 
 void warn_of_reach(const array::Layout& layout, std::span<const geometry::Solid> solids) {
   for (const geometry::Solid& solid : solids) {
-    if (const std::string odd = array::unusual_place(layout, solid.bounds); !odd.empty())
+    if (const std::string odd = array::implausible_place(layout, solid.bounds); !odd.empty())
       log::warning(fmt::format("{}: mesh \"{}\" {}", solid.file, printable(solid.name, 60), odd));
   }
 }

@@ -226,7 +226,10 @@ TEST(FastOperator, WorksForthAndBackInLargeBodies) {
   EXPECT_LT(off.relative(), 2e-3);
   // One backward solution per face gives the same pressures.
   const std::vector<std::uint32_t> faces{0, 1234, 6400};
-  const std::vector<std::complex<double>> sources = body.sources_at_faces(faces);
+  std::vector<RigidBody::Row> rows;
+  for (const std::uint32_t face : faces)
+    rows.push_back(body.row_on_skin(face, 1.0 / 3, 1.0 / 3));
+  const std::vector<std::complex<double>> sources = body.sources_of(rows);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     std::complex<double> sum = 0;
     for (std::size_t point = 0; point < body.points().size(); ++point) {

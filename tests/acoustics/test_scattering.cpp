@@ -234,7 +234,10 @@ TEST(Scattering, ManySourcesAreTheirSum) {
   }
   // Reciprocity: the effect of each transducer at a face of this body, from one backward solution.
   const std::vector<std::uint32_t> faces{17, 1234};
-  const std::vector<Complex> sources = body.sources_at_faces(faces);
+  std::vector<RigidBody::Row> rows;
+  for (const std::uint32_t face : faces)
+    rows.push_back(body.row_on_skin(face, 1.0 / 3, 1.0 / 3));
+  const std::vector<Complex> sources = body.sources_of(rows);
   std::vector<Complex> received;
   Incident(layout, air, array::Directivity::omni)
       .received(body.points(), body.normals(), sources, body.slope_part(), received);

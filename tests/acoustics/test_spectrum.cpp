@@ -250,8 +250,6 @@ TEST(Felt, IsOneBandOrTheOther) {
   EXPECT_GT(balance(buzz), 0.99);
   EXPECT_NEAR(balance(throb), throb.vibration - flutter_weight * throb.flutter, 1e-15);
   EXPECT_NEAR(felt(sine(100)).vibration, std::pow(vibration_sensitivity(100), 2), 1e-4);
-  EXPECT_NEAR(band_share(sine(200), 150, 250), 1, 1e-4);
-  EXPECT_EQ(band_share(sine(200), 300, 400), 0);
   EXPECT_EQ(strongest_felt(sine(200)), 0u);
   EXPECT_EQ(strongest_felt(Spectrum{}), 0u);
   const Spectrum papers = spectrum_of(Ring{15e-3, 10, 3, 1.5e-3});

@@ -18,10 +18,10 @@ inline Columns columns_of(const Layout& layout, const std::vector<SlotFocus>& fo
   field.set(layout, {}, directivity);
   std::vector<FocusSource> sources;
   for (const SlotFocus& focus : foci) {
-    double reach = 0;
+    double farthest = 0;
     for (const Transducer& transducer : layout.transducers)
-      reach = std::max(reach, glm::distance(transducer.position, focus.position));
-    sources.push_back({focus.position, reach, 1});
+      farthest = std::max(farthest, glm::distance(transducer.position, focus.position));
+    sources.push_back({focus.position, farthest, 1});
   }
   Columns columns;
   field.fill(sources, weighting, columns);
@@ -40,12 +40,12 @@ inline std::vector<std::complex<double>> sums_of(const Columns& columns, Constra
 }
 
 /// The pressure at each focus.
-inline std::vector<double> heard_of(const Columns& columns, const std::vector<std::complex<double>>& does) {
+inline std::vector<double> heard_of(const Columns& columns, const std::vector<std::complex<double>>& drive) {
   std::vector<double> heard;
   for (std::size_t j = 0; j < columns.foci; ++j) {
     std::complex<double> sum = 0;
-    for (std::size_t n = 0; n < does.size(); ++n)
-      sum += columns.transfer(n * columns.foci + j) * does[n];
+    for (std::size_t n = 0; n < drive.size(); ++n)
+      sum += columns.transfer(n * columns.foci + j) * drive[n];
     heard.push_back(std::abs(sum));
   }
   return heard;

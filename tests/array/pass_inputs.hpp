@@ -34,11 +34,11 @@ struct PassInputs {
       several = several || count > 1;
       for (const SlotFocus& focus : slot) {
         const shader::DrivePoint point = drive_point(focus.position, turns);
-        double reach = 0;
+        double farthest = 0;
         for (const Transducer& t : layout.transducers)
-          reach = std::max(reach, glm::distance(t.position, focus.position));
+          farthest = std::max(farthest, glm::distance(t.position, focus.position));
         foci.push_back({point.coarse, point.fine});
-        foci.back().coarse.w = static_cast<float>(1 / (reach * turns));
+        foci.back().coarse.w = static_cast<float>(1 / (farthest * turns));
         foci.back().fine.w = gain > 0 ? focus.gain / gain : 1;
       }
     }

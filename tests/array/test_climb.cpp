@@ -68,19 +68,19 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
     for (std::uint32_t set = 0; set < 8; ++set) {
       const Columns columns = columns_of(layout, loud_set(set, 2, 10, middle_of(layout)), Weighting::uniform);
       const std::vector<double> targets(columns.foci, 1);
-      std::vector<Complex> does = sums_of(columns, Constraint::uniform);
-      does[7] = 0;     // silent, and remains so
-      does[8] *= 0.5;  // half as loud, and remains so
-      const std::vector<Complex> first = does;
+      std::vector<Complex> drive = sums_of(columns, Constraint::uniform);
+      drive[7] = 0;     // silent, and remains so
+      drive[8] *= 0.5;  // half as loud, and remains so
+      const std::vector<Complex> first = drive;
       const auto before = heard_of(columns, first);
       std::vector<double> shares(columns.foci, 1);
       ClimbScratch scratch;
-      const double weakest = climb(columns, targets, {10, 30, 0, 1000, 1e-4}, shares, does, scratch);
-      const auto after = heard_of(columns, does);
+      const double weakest = climb(columns, targets, {10, 30, 0, 1000, 1e-4}, shares, drive, scratch);
+      const auto after = heard_of(columns, drive);
       EXPECT_NEAR(weakest, *std::ranges::min_element(after), 1e-6 * weakest);
       EXPECT_GE(weakest, *std::ranges::min_element(before));
-      for (std::size_t n = 0; n < does.size(); ++n)
-        ASSERT_NEAR(std::abs(does[n]), std::abs(first[n]), 1e-12) << n;
+      for (std::size_t n = 0; n < drive.size(); ++n)
+        ASSERT_NEAR(std::abs(drive[n]), std::abs(first[n]), 1e-12) << n;
       // Lowering costs the weakest next to nothing, and no focus becomes less even.
       std::vector<Complex> lowered = first;
       std::ranges::fill(shares, 1);
@@ -94,17 +94,17 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
 TEST(Climb, TargetsAreRelativeAndMayBeNone) {
   const Layout layout = load_layout("openmpd");
   const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::uniform);
-  std::vector<Complex> does = sums_of(columns, Constraint::uniform);
+  std::vector<Complex> drive = sums_of(columns, Constraint::uniform);
   std::vector<double> shares(4, 1);
   ClimbScratch scratch;
-  climb(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, {10, 40, 20, 1000, 1e-5}, shares, does, scratch);
-  const auto heard = heard_of(columns, does);
+  climb(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, {10, 40, 20, 1000, 1e-5}, shares, drive, scratch);
+  const auto heard = heard_of(columns, drive);
   EXPECT_NEAR(heard[1] / heard[0], 0.5, 0.01);
   EXPECT_NEAR(heard[2] / heard[0], 0.8, 0.01);
   EXPECT_NEAR(heard[3] / heard[0], 0.25, 0.01);
-  const std::vector<Complex> first = does;
-  EXPECT_EQ(climb(columns, std::vector<double>{0, 0, 0, 0}, {10, 40, 20, 1000, 1e-5}, shares, does, scratch), 0);
-  EXPECT_EQ(does, first);
+  const std::vector<Complex> first = drive;
+  EXPECT_EQ(climb(columns, std::vector<double>{0, 0, 0, 0}, {10, 40, 20, 1000, 1e-5}, shares, drive, scratch), 0);
+  EXPECT_EQ(drive, first);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "array/reach.hpp"
+#include "array/farthest.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"

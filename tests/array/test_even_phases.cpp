@@ -24,17 +24,17 @@ TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
           columns_of(layout, ring(10, radius, {0, 0, 0.15}, {1, 0, 0}, {0, 0, 1}), Weighting::distance);
       const std::vector<double> targets(columns.foci, 1);
       const std::vector<Complex> first = sums_of(columns, constraint, 3);
-      std::vector<Complex> does = first;
+      std::vector<Complex> drive = first;
       PhaseScratch scratch;
-      const Evened evened = even_phases(columns, targets, 0.0045, 60, does, scratch);
+      const Evened evened = even_phases(columns, targets, 0.0045, 60, drive, scratch);
       EXPECT_LE(evened.miss, 0.0045);
       EXPECT_LE(evened.tries, 60u);
-      const auto before = heard_of(columns, first), after = heard_of(columns, does);
+      const auto before = heard_of(columns, first), after = heard_of(columns, drive);
       EXPECT_LT(*std::ranges::min_element(before), 0.7 * *std::ranges::max_element(before)) << "nothing to improve";
       EXPECT_GE(*std::ranges::min_element(after), 0.99 * *std::ranges::max_element(after));
       EXPECT_GT(*std::ranges::min_element(after), 1.2 * *std::ranges::min_element(before));
-      for (std::size_t n = 0; n < does.size(); ++n)
-        ASSERT_NEAR(std::abs(does[n]), std::abs(first[n]), 1e-12) << n;
+      for (std::size_t n = 0; n < drive.size(); ++n)
+        ASSERT_NEAR(std::abs(drive[n]), std::abs(first[n]), 1e-12) << n;
     }
   }
 }
@@ -42,34 +42,34 @@ TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
 TEST(EvenPhases, TargetsAreRelativeAndMayBeNone) {
   const Layout layout = load_layout("openmpd");
   const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::distance);
-  std::vector<Complex> does = sums_of(columns, Constraint::uniform, 3);
-  does[7] = 0;  // silent, and remains so
+  std::vector<Complex> drive = sums_of(columns, Constraint::uniform, 3);
+  drive[7] = 0;  // silent, and remains so
   PhaseScratch scratch;
-  even_phases(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, 0.001, 60, does, scratch);
-  const auto heard = heard_of(columns, does);
+  even_phases(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, 0.001, 60, drive, scratch);
+  const auto heard = heard_of(columns, drive);
   EXPECT_NEAR(heard[1] / heard[0], 0.5, 0.002);
   EXPECT_NEAR(heard[2] / heard[0], 0.8, 0.003);
   EXPECT_NEAR(heard[3] / heard[0], 0.25, 0.001);
-  EXPECT_EQ(does[7], Complex(0));
-  const std::vector<Complex> first = does;
-  even_phases(columns, std::vector<double>{0, 0, 0, 0}, 0.001, 60, does, scratch);
-  EXPECT_EQ(does, first);
+  EXPECT_EQ(drive[7], Complex(0));
+  const std::vector<Complex> first = drive;
+  even_phases(columns, std::vector<double>{0, 0, 0, 0}, 0.001, 60, drive, scratch);
+  EXPECT_EQ(drive, first);
 }
 
 // Even foci stay the same to the last bit, and with no tries allowed, none is made.
 TEST(EvenPhases, EvenFociAreNotChanged) {
   const Layout layout = load_layout("openmpd");
   const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::distance);
-  std::vector<Complex> does = sums_of(columns, Constraint::uniform, 3);
+  std::vector<Complex> drive = sums_of(columns, Constraint::uniform, 3);
   const std::vector<double> targets(columns.foci, 1);
-  const std::vector<Complex> first = does;
+  const std::vector<Complex> first = drive;
   PhaseScratch scratch;
-  EXPECT_EQ(even_phases(columns, targets, 0.001, 0, does, scratch).tries, 0u);
-  EXPECT_EQ(does, first);
-  EXPECT_GT(even_phases(columns, targets, 0.001, 60, does, scratch).tries, 0u);
-  const std::vector<Complex> even = does;
-  EXPECT_EQ(even_phases(columns, targets, 0.001, 60, does, scratch).tries, 0u);
-  EXPECT_EQ(does, even);
+  EXPECT_EQ(even_phases(columns, targets, 0.001, 0, drive, scratch).tries, 0u);
+  EXPECT_EQ(drive, first);
+  EXPECT_GT(even_phases(columns, targets, 0.001, 60, drive, scratch).tries, 0u);
+  const std::vector<Complex> even = drive;
+  EXPECT_EQ(even_phases(columns, targets, 0.001, 60, drive, scratch).tries, 0u);
+  EXPECT_EQ(drive, even);
 }
 
 }  // namespace

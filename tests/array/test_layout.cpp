@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "array/farthest.hpp"
 #include "array/layouts/builtin_layouts.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/reach.hpp"
 #include "base/error.hpp"
 #include "support/csv.hpp"
 #include "support/shared_data.hpp"
@@ -155,9 +155,9 @@ TEST(Layout, EveryBoardTypeIsKnownAndNoOther) {
   EXPECT_TRUE(none.transducers.empty() && none.boards.empty());
 }
 
-TEST(Reach, FindsTheFarthestTransducerOfAll) {
-  EXPECT_EQ(Reach(load_layout("paper")).candidates(), 64u);
-  EXPECT_EQ(Reach(Layout{}).farthest({1, 2, 3}), 0);
+TEST(FarthestTransducer, FindsTheFarthestTransducerOfAll) {
+  EXPECT_EQ(FarthestTransducer(load_layout("paper")).candidates(), 64u);
+  EXPECT_EQ(FarthestTransducer(Layout{}).distance_from({1, 2, 3}), 0);
   std::uint32_t state = 1;
   const auto next = [&state] { return ((state = state * 1664525u + 1013904223u) >> 8) / double(1 << 24) - 0.5; };
   for (const std::string& name : layout_names()) {
@@ -168,13 +168,13 @@ TEST(Reach, FindsTheFarthestTransducerOfAll) {
       add_board(layout, "openmpd", Transform(1.0));
       layout.transducers.push_back({{0, -0.6, 0}, {0, 0, 1}});
     }
-    const Reach reach(layout);
+    const FarthestTransducer farthest(layout);
     for (int i = 0; i < 200; ++i) {
       const Vec3 from(next(), next(), next());
-      double farthest = 0;
+      double expected = 0;
       for (const Transducer& t : layout.transducers)
-        farthest = std::max(farthest, glm::distance(t.position, from));
-      EXPECT_NEAR(reach.farthest(from), farthest, 1e-12) << name;
+        expected = std::max(expected, glm::distance(t.position, from));
+      EXPECT_NEAR(farthest.distance_from(from), expected, 1e-12) << name;
     }
   }
 }

@@ -23,9 +23,9 @@ TEST(FreeField, ColumnsAreTheFormula) {
     ASSERT_EQ(columns.foci, foci.size());
     ASSERT_EQ(columns.transducers, layout.transducers.size());
     for (std::size_t j = 0; j < foci.size(); ++j) {
-      double reach = 0;
+      double farthest = 0;
       for (const Transducer& t : layout.transducers)
-        reach = std::max(reach, glm::distance(t.position, foci[j].position));
+        farthest = std::max(farthest, glm::distance(t.position, foci[j].position));
       for (std::size_t n = 0; n < columns.transducers; ++n) {
         const Vec3 way = foci[j].position - layout.transducers[n].position;
         const double d = glm::length(way);
@@ -33,7 +33,7 @@ TEST(FreeField, ColumnsAreTheFormula) {
             directivity(kind, glm::dot(way, layout.transducers[n].axis) / d, k * layout.transducer_radius_m) / d;
         const std::size_t entry = n * foci.size() + j;
         ASSERT_LE(std::abs(columns.transfer(entry) - std::polar(loud, k * d)), 5e-5 / d);
-        ASSERT_LE(std::abs(columns.ask(entry) - std::polar(d / reach, -k * d)), 1e-10);
+        ASSERT_LE(std::abs(columns.ask(entry) - std::polar(d / farthest, -k * d)), 1e-10);
       }
     }
   }

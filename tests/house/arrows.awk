@@ -1,5 +1,5 @@
-# Checks #include lines against the layering: includes point downward only, between rooms and between the folders of a
-# room.
+# Checks #include lines against the layering: includes point downward only, between libraries and between the folders
+# of a library.
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
@@ -18,13 +18,13 @@ BEGIN {
   interface["array/drive.hpp"] = interface["array/layouts/layout.hpp"] = interface["array/schedule.hpp"] = 1
   interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # the sound of an emulator's bytes
 
-  # The folders of a room, and the headers at its top that they know, lowest first: each may include the earlier ones.
-  # "." is everything else at the room's top.
+  # The folders of a library, and the headers at its top that they know, lowest first: each may include the earlier ones.
+  # "." is everything else at the library's top.
   order("array", "constraint medium directivity layouts transfer split_rows turns free_field solvers .")
-  order("touch", "types stage_setting room pass_watch contacts points fingers foci .")
+  order("touch", "types stage_setting capacity pass_watch contacts points fingers foci .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
-  order("session", "clock newest threads beside links watch predict plan loop previews . control")
+  order("session", "clock newest threads answer_thread links watch predict plan loop previews . control")
   order("study", "statistics tables pages plan files sitting . report")
   order("observer", "afferents . predicted")
   order("setup", ". tasks")
@@ -33,27 +33,27 @@ BEGIN {
   bad = 0
 }
 
-function order(room, names,    i, n, name) {
+function order(library, names,    i, n, name) {
   n = split(names, name, " ")
-  for (i = 1; i <= n; i++) step_of[room, name[i]] = i
+  for (i = 1; i <= n; i++) step_of[library, name[i]] = i
 }
 
-# The place of a room's file: its folder, its own name at the top if the folders know it, or ".".
-function place(room, inside,    part, stem) {
+# The place of a library's file: its folder, its own name at the top if the folders know it, or ".".
+function place(library, inside,    part, stem) {
   if (split(inside, part, "/") > 1) return part[1]
   stem = inside
   sub(/\.[a-z]+$/, "", stem)
-  return (room, stem) in step_of ? stem : "."
+  return (library, stem) in step_of ? stem : "."
 }
 
 FNR == 1 {
   split(FILENAME, path, "/")
   house = path[1]                             # engine, driver, viewer, assets
-  room = house == "engine" ? path[2] : house
+  library = house == "engine" ? path[2] : house
   inside = FILENAME
   sub(house == "engine" ? "^engine/[^/]*/" : "^[^/]*/", "", inside)
-  here = place(room, inside)
-  if (((room, ".") in step_of) && !((room, here) in step_of)) fault(here "/ has no place among the folders of " room " (arrows.awk)")
+  here = place(library, inside)
+  if (((library, ".") in step_of) && !((library, here) in step_of)) fault(here "/ has no place among the folders of " library " (arrows.awk)")
 }
 
 function fault(text) {
@@ -67,22 +67,22 @@ function fault(text) {
   split(name, part, "/")
   target = name ~ /\// ? part[1] : ""
 
-  if (target == room && ((room, ".") in step_of)) {
-    there = substr(name, length(room) + 2)
-    there = place(room, there)
-    if (step_of[room, there] > step_of[room, here])
-      fault(room ": " (here == "." ? "the top" : here) " may not include " name ", which is above it")
+  if (target == library && ((library, ".") in step_of)) {
+    there = substr(name, length(library) + 2)
+    there = place(library, there)
+    if (step_of[library, there] > step_of[library, here])
+      fault(library ": " (here == "." ? "the top" : here) " may not include " name ", which is above it")
   }
 
   if (name ~ /^(GLFW\/|glfw)/ && FILENAME !~ /^viewer\/.*window/) fault("only the viewer's window may know GLFW")
-  if (name ~ /^(volk\.h|vulkan\/)/ && room ~ /^(base|line|drawing|setup|experiment|cli|driver|assets)$/) fault(room " may not know Vulkan")
+  if (name ~ /^(volk\.h|vulkan\/)/ && library ~ /^(base|line|drawing|setup|experiment|cli|driver|assets)$/) fault(library " may not know Vulkan")
 
   if (house == "engine") {
     if (target ~ /^(driver|viewer|assets|tests)$/) fault("engine/ may not include " name ", which is above it")
-    if ((target in floor_of) && floor_of[target] > floor_of[room]) fault(room "/ may not include " name ", which is above it")
-    if (room == "observer" && target == "study" && name !~ /^study\/(statistics|tables|pages)\//)
+    if ((target in floor_of) && floor_of[target] > floor_of[library]) fault(library "/ may not include " name ", which is above it")
+    if (library == "observer" && target == "study" && name !~ /^study\/(statistics|tables|pages)\//)
       fault("observer/ may not include " name ": of a study, it knows only tables, statistics and pages")
-    if (room ~ /^(array|acoustics)$/ && target ~ /^(sensing|touch)$/) fault(room "/ may not include " name ": sound knows no fingers")
+    if (library ~ /^(array|acoustics)$/ && target ~ /^(sensing|touch)$/) fault(library "/ may not include " name ": sound knows no fingers")
   } else if (house == "driver") {
     if (target ~ /^(viewer|assets|tests)$/) fault("driver/ may not include " name)
     # The program's main() is where engine and driver meet.

@@ -53,7 +53,7 @@ shell() {
   shellcheck "${scripts[@]}"
 }
 
-# Which room may include which: tests/house/arrows.awk.
+# Which library may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
 # The walks of docs/notes/walks.md match the sources.
@@ -95,7 +95,7 @@ shaders() {
   while read -r shader; do
     name=${shader##*/}
     grep -rqw --include=CMakeLists.txt "${name//./\\.}" engine viewer driver tests && continue
-    echo "   no room compiles $shader"
+    echo "   no library compiles $shader"
     found=1
   done < <(files 'shaders/*.comp' 'shaders/*.vert' 'shaders/*.frag')
   return "$found"
@@ -181,7 +181,7 @@ step "tree of folders" tree
 step "walks" walks
 step "docs" docs
 step "words" words
-step "arrows between rooms" arrows
+step "arrows between libraries" arrows
 step "includes" includes
 step "register of files" registered
 step "file sizes" sizes

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# coverage.sh [CTEST ARGUMENT...]: which lines of engine, driver, viewer and python the tests run, by room. Builds the
+# coverage.sh [CTEST ARGUMENT...]: which lines of engine, driver, viewer and python the tests run, by folder. Builds the
 # preset coverage. build/coverage/lines.csv has a row per file, build/coverage/lines.txt the lines that no test runs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -14,9 +14,9 @@ gcovr --root . --object-directory "$out" -j "$(nproc)" --exclude-unreachable-bra
 awk -F, '
   NR > 1 {
     split($1, part, "/")
-    room = part[1] == "engine" ? part[1] "/" part[2] : part[1]
-    lines[room] += $2; covered[room] += $3; lines["all"] += $2; covered["all"] += $3
+    folder = part[1] == "engine" ? part[1] "/" part[2] : part[1]
+    lines[folder] += $2; covered[folder] += $3; lines["all"] += $2; covered["all"] += $3
   }
   END {
-    for (room in lines) printf "%-20s %6d lines %6.2f %%\n", room, lines[room], 100 * covered[room] / lines[room]
+    for (folder in lines) printf "%-20s %6d lines %6.2f %%\n", folder, lines[folder], 100 * covered[folder] / lines[folder]
   }' "$out/lines.csv" | sort

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from, other
-people's and palpa's own. The compiler misses nothing that the build parses once for all (cmake/Room.cmake) or that another source
+people's and palpa's own. The compiler misses nothing that the build parses once for all (cmake/Library.cmake) or that another source
 of a unit has included (cmake/Units.cmake).
 """
 import functools

@@ -2,7 +2,7 @@
 # suite.sh PRESET [CTEST ARGUMENT...]: runs the tests of a built preset.
 #
 # As many tests run side by side as there are cores. Two tests that mostly wait count as one (WAITS in
-# cmake/Room.cmake). With lavapipe, each test has one rasterizer thread: two tests of one thread keep two cores busier
+# cmake/Library.cmake). With lavapipe, each test has one rasterizer thread: two tests of one thread keep two cores busier
 # than one test of two threads. The matrix tests what depends on the number of threads, and sets LP_NUM_THREADS itself.
 # Drivers and layers have their caches in the build directory; lavapipe's compiled code depends only on the vectors'
 # width.

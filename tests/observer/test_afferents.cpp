@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "observer/afferents/half_space.hpp"
-#include "observer/afferents/punch.hpp"
 #include "observer/afferents/response.hpp"
+#include "punch.hpp"
 
 namespace palpa::observer {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/random.hpp"
 #include "base/sha256.hpp"
-#include "observer/beside.hpp"
+#include "observer/comparison.hpp"
 #include "observer/decision.hpp"
 #include "observer/placements.hpp"
 #include "observer/predicted/prediction_reports.hpp"
@@ -264,11 +264,11 @@ TEST(IdealObserver, PeopleChangeOnlyTheComparison) {
   const std::string document = prediction_document(prediction);
   study::Confusion other = paper_cross_section();
   std::ranges::reverse(other.counts);
-  const Beside paper = beside(
+  const Comparison paper = compare(
       prediction, {{"single-focus", "paper", paper_single_focus()}, {"cross-section", "paper", paper_cross_section()}});
-  const Beside changed = beside(prediction, {{"single-focus", "paper", paper_single_focus()},
-                                             {"cross-section", "paper", other},
-                                             {"ellipse", "paper", other}});
+  const Comparison changed = compare(prediction, {{"single-focus", "paper", paper_single_focus()},
+                                                  {"cross-section", "paper", other},
+                                                  {"ellipse", "paper", other}});
   ASSERT_EQ(paper.methods.size(), 2u);
   EXPECT_TRUE(paper.left_out.empty());
   ASSERT_EQ(changed.left_out.size(), 1u);
@@ -297,7 +297,7 @@ TEST(IdealObserver, PeopleChangeOnlyTheComparison) {
 
 TEST(IdealObserver, Reports) {
   const Prediction& prediction = shared_prediction();
-  const Beside paper = beside(prediction, {{"cross-section", "paper", paper_cross_section()}});
+  const Comparison paper = compare(prediction, {{"cross-section", "paper", paper_cross_section()}});
   const std::string text = prediction_text(prediction, paper, "0123"),
                     html = prediction_html(prediction, paper, "0123"), csv = prediction_csv(prediction, paper);
   EXPECT_CONTAINS(text, "fitted to single-focus 0.390 (156 of 400 trials");

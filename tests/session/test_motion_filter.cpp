@@ -21,7 +21,7 @@ using palpa::test::TipPath;
 using palpa::test::TipPredictor;
 
 TipPredictor filtered(double noise_m) {
-  const auto filter = std::make_shared<MotionFilter>(MotionNoise{.place_m = noise_m});
+  const auto filter = std::make_shared<MotionFilter>(noise_m);
   return {[filter](double t, const Vec3& place) { filter->see(t, place); },
           [filter](double ahead) { return filter->at(ahead); }};
 }
@@ -92,7 +92,7 @@ TEST(MotionFilter, FollowsASteadyMotionAndPredictsNothingAtRest) {
     for (const double noise : {0.1e-3, 0.3e-3}) {
       double sum = 0;
       for (std::uint32_t seed = 0; seed < 20; ++seed) {
-        MotionFilter moving({.place_m = noise}), still({.place_m = noise});
+        MotionFilter moving(noise), still(noise);
         see_motion(moving, {0.2, 0, 0}, 0, 0.5, rate, noise, seed);
         sum += moving.velocity().x / 20;
         see_motion(still, Vec3(0), 0, 0.5, rate, noise, seed);

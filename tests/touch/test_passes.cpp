@@ -34,32 +34,32 @@ using palpa::test::GuardedBuffer;
 /// Everything that the passes bind, exactly as large as the contract says, between guard words and filled with rubbish.
 struct Guarded {
   Guarded(gpu::Device& device, const PreparedSolids& prepared, const std::vector<sensing::SkinPoint>& skin,
-          const Room& room_for)
-      : room(room_for),
+          const Capacity& capacity_for)
+      : capacity(capacity_for),
         points(GuardedBuffer::of<sensing::SkinPoint>(device, skin)),
         length(device, 16),
         solids(GuardedBuffer::of<shader::SolidRecord>(device, prepared.records)),
         cells(GuardedBuffer::of<shader::PlaneCell>(device, prepared.cells)),
         planes(GuardedBuffer::of<shader::vec4>(device, prepared.planes)),
         total(device, 16),
-        contacts(device, std::size_t{room.contacts} * 32),
+        contacts(device, std::size_t{capacity.contacts} * 32),
         deep_total(device, 16),
-        deep(device, std::size_t{room.deep} * 32),
-        parents(device, std::size_t{room.clustered()} * 4),
-        clusters(device, std::size_t{room.clustered()} * 8),
+        deep(device, std::size_t{capacity.deep} * 32),
+        parents(device, std::size_t{capacity.clustered()} * 4),
+        clusters(device, std::size_t{capacity.clustered()} * 8),
         header(device, sizeof(shader::TouchHeader)),
         selected(device, std::size_t{max_fingers} * sizeof(shader::ClusterRecord)),
-        contacts_scratch(device, ContactsPass::scratch(room)),
-        clusters_scratch(device, ClustersPass::scratch(room)),
+        contacts_scratch(device, ContactsPass::scratch(capacity)),
+        clusters_scratch(device, ClustersPass::scratch(capacity)),
         solid_texels(device, solids.ref(), VK_FORMAT_R32G32B32A32_SFLOAT, "solids"),
         contact_texels(device, contacts.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts") {
     const auto count = static_cast<std::uint32_t>(skin.size());
-    const shader::ScanTotal given{count, shader::scan_groups_of(count, ContactsPass::groups(device, room, prepared)), 1,
-                                  1};
+    const shader::ScanTotal given{
+        count, shader::scan_groups_of(count, ContactsPass::groups(device, capacity, prepared)), 1, 1};
     length.write(&given, sizeof(given));
   }
 
-  Room room;
+  Capacity capacity;
   GuardedBuffer points, length, solids, cells, planes, total, contacts, deep_total, deep, parents, clusters, header,
       selected;
   palpa::test::GuardedScratch contacts_scratch, clusters_scratch;
@@ -92,7 +92,7 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
                    .contacts = b.contacts.ref(),
                    .deep_total = b.deep_total.ref(),
                    .deep = b.deep.ref()},
-                  b.contacts_scratch, b.room, solids, parameters);
+                  b.contacts_scratch, b.capacity, solids, parameters);
   gpu::compute_to_compute(commands);
   clusters.record(commands,
                   {.length = b.length.ref(),
@@ -105,7 +105,7 @@ void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& soli
                    .selected = b.selected.ref(),
                    .deep_total = b.deep_total.ref(),
                    .deep = b.deep.ref()},
-                  b.clusters_scratch, b.room, parameters);
+                  b.clusters_scratch, b.capacity, parameters);
 }
 
 TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
@@ -152,10 +152,10 @@ TEST(TouchPassesByThemselves, LeavePointsBeyondTheirRoomAlone) {
   gpu::Device& device = palpa::test::test_device();
   const auto cloud = indexed(random_points(1000, Vec3(-0.05), Vec3(0.05)));
   const PreparedSolids solids = prepare_solids({everything()});
-  const Room room{.points = 1000, .contacts = 1000};
-  Guarded guarded(device, solids, cloud, room);
-  const shader::ScanTotal boastful{1'000'000,
-                                   shader::scan_groups_of(1'000'000, ContactsPass::groups(device, room, solids)), 1, 1};
+  const Capacity capacity{.points = 1000, .contacts = 1000};
+  Guarded guarded(device, solids, cloud, capacity);
+  const shader::ScanTotal boastful{
+      1'000'000, shader::scan_groups_of(1'000'000, ContactsPass::groups(device, capacity, solids)), 1, 1};
   guarded.length.write(&boastful, sizeof(boastful));
   palpa::test::run_on_device(
       [&](VkCommandBuffer commands) { record_all(commands, guarded, solids, everything_is_contact()); });
@@ -172,11 +172,11 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffersWithDeepPoints) {
   const Parameters parameters{.delta_m = 4e-3, .finger_gap_m = 2e-3, .cluster = Cluster::inside};
   Touch twin;
   Stage(scene, {}, {.parameters = parameters}).touch(cloud, twin);
-  for (const Room& room : {Room{.points = 5000, .contacts = 5000, .deep = 5000, .inside = true},
-                           Room{.points = 5000, .contacts = 301, .deep = 203, .inside = true},
-                           Room{.points = 5000, .contacts = 1, .deep = 1, .inside = true}}) {
-    SCOPED_TRACE(room.contacts);
-    Guarded guarded(device, solids, cloud, room);
+  for (const Capacity& capacity : {Capacity{.points = 5000, .contacts = 5000, .deep = 5000, .inside = true},
+                                   Capacity{.points = 5000, .contacts = 301, .deep = 203, .inside = true},
+                                   Capacity{.points = 5000, .contacts = 1, .deep = 1, .inside = true}}) {
+    SCOPED_TRACE(capacity.contacts);
+    Guarded guarded(device, solids, cloud, capacity);
     palpa::test::run_on_device([&](VkCommandBuffer commands) { record_all(commands, guarded, solids, parameters); });
     guarded.expect_intact();
     EXPECT_EQ(guarded.total.read<shader::ScanTotal>()[0].total, twin.contacts.size());

@@ -97,7 +97,7 @@ class App {
   /// Whether a live run has shown a frame since the last call. Without a live run, always true.
   bool showed_frame() { return !data_.content.live || content_.run().take_fresh(); }
   bool loading() const { return content_.run().control().loading(); }
-  /// Whether a live run is under way of which no frame has been shown yet.
+  /// Whether a live run is under way and no frame of it has been shown yet.
   bool awaits_frame() const { return content_.run().control().under_way() && !content_.run().shows_frame(); }
   /// Whether something requested is not done yet: a file is being opened, or a run is about to begin.
   bool beginning() const { return loading() || data_.content.opening || content_.run().control().restarts(); }

@@ -10,7 +10,7 @@ namespace palpa::viewer {
 /// How much of the picture on the device must be updated. Each value includes those before it, see DrawnPicture.
 enum class Stale { nothing, marks, skin, surfaces };
 
-/// Begins with a new picture, of which nothing has been drawn yet.
+/// Begins with a new picture. Nothing of it has been drawn yet.
 class Staleness {
  public:
   /// Call when this much of the picture has changed.

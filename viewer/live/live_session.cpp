@@ -30,7 +30,7 @@ constexpr double skin_s = 3e-3, most_wait_s = 0.05;
 /// The box around the given box after the pose has moved it.
 Box moved_box(const Box& box, const Transform& pose) {
   Box out;
-  for (const Vec3& corner : box_corners(box))
+  for (const Vec3& corner : box.corners())
     out.add(transform_point(pose, corner));
   return out;
 }

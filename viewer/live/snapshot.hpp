@@ -37,7 +37,7 @@ struct LiveNumbers {
   std::uint64_t frames = 0;    ///< looked at
   std::uint64_t touching = 0;  ///< of these with a finger
   std::uint64_t dropped = 0;   ///< left out between them, according to the source's own numbers
-  std::uint64_t thinned = 0;   ///< of which only some pixels were looked at, or which have only some of their foci
+  std::uint64_t thinned = 0;   ///< only some of their pixels were looked at, or only some of their foci play
   std::uint64_t outdated = 0;  ///< whose drives were ready only when they were no longer to sound
   double rate_hz = 0;          ///< recent frames per second
   double last_s = 0;           ///< of the last frame: from frame in memory to drives in memory

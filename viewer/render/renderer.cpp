@@ -88,7 +88,7 @@ void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vect
 double pixels_per_metre(const shader::ViewPush& push, const Box& box) {
   double nearest = 1e30;
   const shader::vec4& w = push.clip_w;
-  for (const Vec3& p : box_corners(box)) {
+  for (const Vec3& p : box.corners()) {
     if (!box.empty()) nearest = std::min(nearest, w.x * p.x + w.y * p.y + w.z * p.z + w.w);
   }
   return static_cast<double>(push.window.z) / std::max(nearest, 1e-9);
@@ -99,7 +99,7 @@ std::uint32_t point_step(const shader::ViewPush& push, const Box& box, std::uint
   constexpr double enough = 4;  // for each pixel
   if (box.empty()) return 1;
   double left = 1e30, right = -1e30, top = 1e30, bottom = -1e30;
-  for (const Vec3& corner : box_corners(box)) {
+  for (const Vec3& corner : box.corners()) {
     const Projected p = project(push, corner);
     if (!p.visible) return 1;
     left = std::min(left, p.x);

@@ -49,8 +49,8 @@ bool same_drive(std::span<const array::TransducerDrive> a, std::span<const array
 }  // namespace
 
 SlicePreview::SlicePreview(gpu::DeviceOptions device)
-    : beside_([kept = std::make_shared<Kept>(Kept{std::move(device), {}, {}, {}})](
-                  const SliceQuestion& question, const std::atomic<bool>&) { return kept->answer(question); }) {}
+    : answers_([kept = std::make_shared<Kept>(Kept{std::move(device), {}, {}, {}})](
+                   const SliceQuestion& question, const std::atomic<bool>&) { return kept->answer(question); }) {}
 
 std::uint32_t SlicePreview::quick_along() const {
   constexpr double unknown = 48;
@@ -65,8 +65,8 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
     return {.marks = hide_slice(picture)};
   }
   Change change;
-  const bool computing = beside_.stale();  // read first: answers from now on are for the next look()
-  const std::shared_ptr<const SliceAnswer> newest = beside_.newest();
+  const bool computing = answers_.stale();  // read first: answers from now on are for the next look()
+  const std::shared_ptr<const SliceAnswer> newest = answers_.newest();
   if (asked_ && newest->number > shown_ && !computing) {
     shown_ = newest->number;
     if (newest->fault.empty()) {
@@ -92,13 +92,13 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
   if (!same) {
     if (!computing && (moved || now_s >= rest_until_s_)) {
       asked_ = {now.layout, now.air, now.drive.directivity, slice, {now.slot.begin(), now.slot.end()}, quick_along()};
-      beside_.ask(*asked_);
+      answers_.ask(*asked_);
       moved_s_ = now_s;
       current_ = false;
     }
   } else if (!computing && now_s >= moved_s_ + rested_s) {
     asked_->along = std::min(2 * asked_->along, finest);
-    beside_.ask(*asked_);
+    answers_.ask(*asked_);
   }
   const bool late = (!same || !current_) && now_s > shown_s_ + told_late_s;
   change.marks = mark(picture, Layer::slice, title, late ? Standing::stale : Standing::fresh) || change.marks;
@@ -107,7 +107,7 @@ Change SlicePreview::look(const Sounding& now, const SliceState& slice, Picture&
 
 void SlicePreview::forget() {
   asked_.reset();
-  shown_ = beside_.newest()->number;
+  shown_ = answers_.newest()->number;
 }
 
 }  // namespace palpa::viewer

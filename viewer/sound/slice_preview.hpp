@@ -8,7 +8,7 @@
 #include <string>
 
 #include "gpu/device.hpp"
-#include "session/beside.hpp"
+#include "session/answer_thread.hpp"
 #include "viewer/sound/field_slice.hpp"
 #include "viewer/sound/sounding.hpp"
 
@@ -60,7 +60,7 @@ class SlicePreview {
   double rest_until_s_ = 0;  ///< while a drive keeps changing, the processor stays free for half of the time
   bool busy_ = false;
   std::string fault_;
-  session::Beside<SliceQuestion, SliceAnswer> beside_;
+  session::AnswerThread<SliceQuestion, SliceAnswer> answers_;
 };
 
 }  // namespace palpa::viewer

@@ -24,11 +24,11 @@ SpectraAnswer answer(const SpectraQuestion& question) {
 }  // namespace
 
 Spectra::Spectra()
-    : beside_([](const SpectraQuestion& question, const std::atomic<bool>&) { return answer(question); }) {}
+    : answers_([](const SpectraQuestion& question, const std::atomic<bool>&) { return answer(question); }) {}
 
 bool Spectra::look(const Sounding& now, double now_s) {
   bool fresh = false;
-  const std::shared_ptr<const SpectraAnswer> newest = beside_.newest();
+  const std::shared_ptr<const SpectraAnswer> newest = answers_.newest();
   if (newest->number > shown_) {
     shown_ = newest->number;
     spectra_ = newest->spectra;
@@ -41,10 +41,10 @@ bool Spectra::look(const Sounding& now, double now_s) {
     asked_.reset();
     return fresh;
   }
-  if (beside_.stale() || now_s < next_s_) return fresh;
+  if (answers_.stale() || now_s < next_s_) return fresh;
   if (asked_ && asked_->layout == now.layout && alike(asked_->schedule, *now.schedule)) return fresh;
   asked_ = {*now.schedule, now.layout, now.drive, now.spot_m};
-  beside_.ask(*asked_);
+  answers_.ask(*asked_);
   next_s_ = now_s + every_s;
   return fresh;
 }

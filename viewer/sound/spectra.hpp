@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "acoustics/felt/spectrum.hpp"
-#include "session/beside.hpp"
+#include "session/answer_thread.hpp"
 #include "viewer/sound/sounding.hpp"
 
 namespace palpa::viewer {
@@ -35,7 +35,7 @@ class Spectra {
   bool look(const Sounding& now, double now_s);
   const std::vector<acoustics::Spectrum>& spectra() const { return spectra_; }
   /// Whether a later look() will find new spectra.
-  bool busy() const { return beside_.stale() || beside_.newest()->number > shown_; }
+  bool busy() const { return answers_.stale() || answers_.newest()->number > shown_; }
   /// Why there are none; else empty.
   const std::string& fault() const { return fault_; }
 
@@ -45,7 +45,7 @@ class Spectra {
   double next_s_ = 0;
   std::vector<acoustics::Spectrum> spectra_;
   std::string fault_;
-  session::Beside<SpectraQuestion, SpectraAnswer> beside_;
+  session::AnswerThread<SpectraQuestion, SpectraAnswer> answers_;
 };
 
 }  // namespace palpa::viewer

@@ -1,5 +1,5 @@
-// All shapes of a study as one scene, of which one shape at a time is within reach. A session then changes the shape
-// from one frame to the next, without loading anything.
+// All shapes of a study as one scene. One shape at a time is within reach, so that a session changes the shape from one
+// frame to the next without loading anything.
 #pragma once
 
 #include <cstddef>

@@ -13,13 +13,6 @@ constexpr double least_distance = 1e-3, most_distance = 100.0;
 
 }  // namespace
 
-std::array<Vec3, 8> box_corners(const Box& box) {
-  std::array<Vec3, 8> corners;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = {i & 1 ? box.high.x : box.low.x, i & 2 ? box.high.y : box.low.y, i & 4 ? box.high.z : box.low.z};
-  return corners;
-}
-
 void look(Viewpoint& viewpoint, StandardView view) {
   viewpoint.frustum.reset();
   viewpoint.R_world_orbit = glm::dmat3(1.0);
@@ -84,7 +77,7 @@ void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   const double tan_y = std::tan(viewpoint.fov / 2), free = 1 - viewpoint.covered_left - viewpoint.covered_right;
   const double tan_x = tan_y * aspect * free;
   double distance = box.empty() ? 0.05 / tan_x : 0;
-  for (const Vec3& corner : box_corners(box)) {
+  for (const Vec3& corner : box.corners()) {
     if (box.empty()) break;
     const Vec3 p = corner - viewpoint.target;
     const double nearer = viewpoint.orthographic ? 0 : -glm::dot(p, b.forward);

@@ -35,9 +35,6 @@ inline constexpr Word<StandardView> view_words[] = {{"front", StandardView::fron
                                                     {"iso", StandardView::iso},
                                                     {"camera", StandardView::camera}};
 
-/// The corners of a box.
-std::array<Vec3, 8> box_corners(const Box& box);
-
 /// Turns the viewpoint to a standard view other than `camera`. Target, distance and projection stay.
 void look(Viewpoint& viewpoint, StandardView view);
 /// Puts the viewpoint into the frustum. The orbit has the same eye, and its target is as far in front of it as `about`.

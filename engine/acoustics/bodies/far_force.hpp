@@ -1,18 +1,11 @@
 // The force of sound on a body, from the momentum that the sound carries through the air around it. It needs the
 // pressures on the surface, but not their slopes, so it is a check of the force by radiation pressure (radiation.hpp).
 //
-// Far away, the scattered wave is f(s) e^{ikr} / r. The incident wave, without sources within the sphere around the
-// body, is a sum of plane waves, the integral over all directions of g(s) e^{ik s.x}. The momentum that both carry away
-// is, with peak phasors,
+//   F = -1 / (2 rho c^2) integral over all directions s of s (|f|^2 - (4 pi / k) Im(conj(g) f))
+//   g_lm = q_lm (-i)^l / (4 pi (j_l(kR) + i j_l'(kR))),  q = p + (i/k) dp/dr of the incident wave at the radius R
 //
-//   F = -1 / (2 rho c^2) integral of s (|f|^2 - (4 pi / k) Im(conj(g) f)).
-//
-// g follows from the incident wave's pressures and slopes on the sphere, expanded in spherical harmonics: for
-// q = p + (i/k) dp/dr at its radius R,
-//
-//   g_lm = q_lm (-i)^l / (4 pi (j_l(kR) + i j_l'(kR))).
-//
-// The air does not absorb.
+// Peak phasors; f e^{ikr} / r is the scattered wave far away, g the incident one as a sum of plane waves. The air does
+// not absorb. docs/notes/radiation-force.md has the derivation.
 #pragma once
 
 #include <complex>

@@ -1,15 +1,11 @@
-// The sound that arrives at a body, known from few places on it.
-//
-// A mesh has far more vertices than the sound of distant sources has degrees of freedom. For each cluster of vertices,
-// a few vertices are therefore chosen, and the right-hand sides of the boundary elements' equations at all vertices of
-// the cluster are sums over them:
+// The sound that arrives at a body, known from few places on it: far fewer than a mesh has vertices.
 //
 //   right side at v = sum over chosen s of share(v, s) b(s),   b(s) = p(s) + (i/k) dp/dn(s)
 //
-// with the incident sound p. The shares are those that are right, in the least squares, for point sources on a sphere
-// around the cluster, a wavelength away from it. Waves from anywhere beyond this sphere are sums of these. The next
-// vertex to choose is always the one that the others represent worst (Cheng, Gimbutas, Martinsson and Rokhlin 2005, "On
-// the compression of low rank matrices"; by Cholesky's factors, since few digits are needed).
+// for the right-hand sides of the boundary elements' equations, with the incident sound p. For each cluster of
+// vertices, the shares are right, in the least squares, for point sources on a sphere around it, a wavelength away.
+// Waves from anywhere beyond are sums of these. Chooses next the vertex that the others represent worst (Cheng,
+// Gimbutas, Martinsson and Rokhlin 2005, by Cholesky's factors, since few digits are needed).
 #pragma once
 
 #include <atomic>

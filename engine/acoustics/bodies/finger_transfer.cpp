@@ -97,9 +97,9 @@ void FingerTransfer::fill(std::span<const FocusSource> foci, array::Weighting we
       columns.sine[entry] = loud > 0 ? sound.imag() / loud : 0;
       columns.loud[entry] = loud / layout_.source_level_pa_m;
       if (!aim) continue;
-      const bool even = weighting == array::Weighting::uniform || focus.reach == 0;
+      const bool even = weighting == array::Weighting::uniform || focus.farthest == 0;
       columns.asked[entry] =
-          even ? 1 : glm::distance(layout_.transducers[first + n].position, focus.position) / focus.reach;
+          even ? 1 : glm::distance(layout_.transducers[first + n].position, focus.position) / focus.farthest;
     }
   }
 }

@@ -1,17 +1,13 @@
 // The effect of transducers at places of one rigid finger, used instead of the free field's transfer. Solvers that use
 // it also focus the sound that the finger scatters (Inoue, Makino and Shinoda 2016).
 //
-// By reciprocity, one solution of the boundary elements' transposed system per focus gives this for all transducers at
-// once. The system is A u = b (galerkin.hpp). b = sum over transducers of s_t b_t is their sound on the finger, and the
-// row e reads the pressure at the focus from the unknowns u:
+//   g_t = y^T b_t,  A^T y = e
 //
-//   p = e^T u = sum over transducers of s_t g_t,   g_t = y^T b_t,   A^T y = e:
+// with the matrix A of galerkin.hpp, the sound b_t of transducer t on the finger, and the row e that reads the pressure
+// at the focus. One solution per focus gives all transducers. docs/notes/finger-sound.md has the derivation.
 //
-// This is the transpose, not the conjugate transpose. The phases -arg g_t make the whole array's sound arrive there in
-// phase; at full amplitude no drive is louder there.
-//
-// Inside the finger there is no pressure. A focus there, such as the centroid of contacts, is moved to the nearest
-// point of the skin. A focus in the air stays where it is.
+// A focus inside the finger, such as the centroid of contacts, is moved to the nearest point of the skin. A focus in
+// the air stays where it is.
 #pragma once
 
 #include <complex>

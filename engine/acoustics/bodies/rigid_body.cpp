@@ -118,25 +118,13 @@ RigidBody::Row RigidBody::row_on_skin(std::uint32_t face, double u, double v) co
   return row;
 }
 
-std::vector<Complex> RigidBody::sources_at_faces(std::span<const std::uint32_t> faces) const {
-  std::vector<Row> rows(faces.size(), Row(mesh().positions.size()));
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    fit_.add_pressure_row(faces[i], rows[i]);
-  return sources_of(rows);
-}
-
-std::vector<std::complex<float>> RigidBody::backward(std::span<const Row> rows) const {
+std::vector<Complex> RigidBody::sources_of(std::span<const Row> rows) const {
+  const std::size_t size = mesh().positions.size(), count = points_.size();
   std::vector<std::complex<float>> columns;
-  columns.reserve(rows.size() * mesh().positions.size());
+  columns.reserve(rows.size() * size);
   for (const Row& row : rows)
     columns.insert(columns.end(), row.begin(), row.end());
   find_unknowns(Way::back, columns, nullptr);
-  return columns;
-}
-
-std::vector<Complex> RigidBody::sources_of(std::span<const Row> rows) const {
-  const std::size_t size = mesh().positions.size(), count = points_.size();
-  const std::vector<std::complex<float>> columns = backward(rows);
   std::vector<Complex> sources(rows.size() * count);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t point = 0; point < count; ++point) {

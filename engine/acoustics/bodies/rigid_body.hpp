@@ -78,8 +78,6 @@ class RigidBody {
   /// normals(). The weighted sum is the pressure at each place: entry [place * points + point]. With Incident::received
   /// they give the effect of each transducer there.
   std::vector<std::complex<double>> sources_of(std::span<const Row> rows) const;
-  /// For the total pressure at the faces' centroids.
-  std::vector<std::complex<double>> sources_at_faces(std::span<const std::uint32_t> faces) const;
   /// i/k.
   std::complex<double> slope_part() const { return {0, 1 / wave_number_}; }
 
@@ -89,7 +87,6 @@ class RigidBody {
     SolveReport worst;
   };
   void find_unknowns(Way way, std::span<std::complex<float>> columns, const std::atomic<bool>* give_up) const;
-  std::vector<std::complex<float>> backward(std::span<const Row> rows) const;
 
   Patches patches_;
   double wave_number_;

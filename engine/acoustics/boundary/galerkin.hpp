@@ -4,19 +4,11 @@
 //
 //   p/2 - K p - (i/k) N p = p_inc + (i/k) dp_inc/dn,
 //   K p(x) = integral over S of dG/dn(y) p(y),   N p = d(K p)/dn(x),
+//   -<f, N p> = double integral of G (curl_S f . curl_S p - k^2 n.n' f p),   curl_S f = n x grad f  (Maue 1949)
 //
-// This equation has exactly one solution for every k. For a sphere, the equation with K alone has no unique solution if
-// k a is a zero of j_n, and the equation with N alone has no unique solution if k a is a zero of j_n'. The body's
-// inside then resonates. 5.7635 and 5.9404 are the zeros nearest to the k a of a fingertip. p is linear on every patch
-// and continuous: the unknowns are the pressures at the mesh's vertices, and the test functions are the same hat
-// functions. The singularity of N is then no stronger than 1/R (Maue 1949):
-//
-//   -<f, N p> = double integral of G (curl_S f . curl_S p - k^2 n.n' f p),   curl_S f = n x grad f.
-//
-// Pairs of patches that touch are sampled by rules that remove the singularity, close pairs by six samples on each
-// patch, if necessary after subdivision (near_rules.hpp), and all others by three (triangle_rules.hpp). Single
-// precision is enough: the matrix is well conditioned, and its error of 4e-6 is far below the error of linear elements
-// (docs/notes/boundary-elements.md).
+// The unknowns are the pressures at the mesh's vertices, p is linear on every patch, and the test functions f are the
+// same hat functions. Pairs of patches are sampled by near_rules.hpp if they touch or are close, else by
+// triangle_rules.hpp. The matrix is in single precision. docs/notes/boundary-elements.md has the reasons.
 #pragma once
 
 #include <atomic>

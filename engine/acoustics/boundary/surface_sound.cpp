@@ -106,10 +106,6 @@ FaceSound SurfaceFit::at(std::size_t face, const Vec3& point, const Vec3& normal
   return value(fit, coefficients, point, normal);
 }
 
-void SurfaceFit::add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const {
-  add_pressure_row(face, fits_[face].origin, row);
-}
-
 void SurfaceFit::add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const {
   const FaceFit& fit = fits_[face];
   const Vec3 from = at - fit.origin;

@@ -1,16 +1,11 @@
 // Pressures and their slopes on the surface, more accurate than those of linear elements.
 //
-// Galerkin's solution in linear elements is right on average, but not at points: it is too large at vertices and too
-// small at centroids. Its averages over hat functions are its most accurate numbers (hat_averages.hpp). Therefore, a
-// polynomial of fifth degree is fitted for each face by least squares. Its averages over the hat functions of the
-// vertices of the face, and of two rings of faces around it, are those of the solution. A vertex counts less if it is
-// farther away (a Gauss curve, 1/e at one side's length) or if the surface turns away there (the cosine's square). The
-// coordinates are those in the plane that touches the patch at its centroid.
-//
-// A sharp edge (patches.hpp) ends the rings. The hat functions of an edge's vertices reach around the edge. Beside an
-// edge, a polynomial of fourth degree is therefore fitted to the linear elements themselves, by least squares over the
-// area of these faces. If there are too few vertices for a degree, on very small or very curved bodies, the degree is
-// lower.
+// Fits a polynomial of fifth degree for each face by least squares: its averages over the hat functions
+// (hat_averages.hpp) of the vertices of the face, and of two rings of faces around it, are those of the solution. A
+// vertex counts less if it is farther away (a Gauss curve, 1/e at one side's length) or if the surface turns away there
+// (the cosine's square). Coordinates are those in the plane that touches the patch at its centroid. A sharp edge
+// (patches.hpp) ends the rings. Beside it, the polynomial has the fourth degree and fits the linear elements. The
+// degree is lower if there are too few vertices. docs/notes/boundary-elements.md has the reasons.
 #pragma once
 
 #include <array>
@@ -53,9 +48,8 @@ class SurfaceFit {
   FaceSound at(std::size_t face, const Vec3& point, const Vec3& normal,
                std::span<const std::complex<float>> solution) const;
 
-  /// Adds to `row`, one entry per vertex, the factors of the unknowns that give the face's pressure at its centroid, or
-  /// at a point of its patch.
-  void add_pressure_row(std::uint32_t face, std::span<std::complex<float>> row) const;
+  /// Adds to `row`, one entry per vertex, the factors of the unknowns that give the pressure at a point of the face's
+  /// patch.
   void add_pressure_row(std::uint32_t face, const Vec3& at, std::span<std::complex<float>> row) const;
 
  private:

@@ -17,7 +17,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::size_t rows_per_chunk = 2048;
-/// A direction of which less than this is left beside the others is rounding.
+/// A direction is rounding if less than this part of it is perpendicular to the others.
 constexpr double dependent = 1e-5;
 /// The estimate of the residual has to be this far below the tolerance: it loses digits.
 constexpr double margin = 0.9;

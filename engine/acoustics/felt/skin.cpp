@@ -37,14 +37,6 @@ Felt felt(const Spectrum& spectrum) {
   return felt;
 }
 
-double band_share(const Spectrum& spectrum, double low_hz, double high_hz) {
-  double inside = 0;
-  for (const Line& line : spectrum.lines) {
-    if (line.frequency_hz >= low_hz && line.frequency_hz <= high_hz) inside += line.around * line.around / 2;
-  }
-  return spectrum.variance > 1e-12 ? inside / spectrum.variance : 0;
-}
-
 std::size_t strongest_felt(const Spectrum& spectrum) {
   std::size_t best = spectrum.lines.size();
   double most = 0;

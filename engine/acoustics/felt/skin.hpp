@@ -50,8 +50,6 @@ double balance(const Felt& felt);
 double felt_as_vibration(const Line& line);
 /// Both are 0 if nothing changes.
 Felt felt(const Spectrum& spectrum);
-/// The share of the energy in lines from `low_hz` to `high_hz`.
-double band_share(const Spectrum& spectrum, double low_hz, double high_hz);
 /// Index of the line that is felt most strongly as vibration, or lines.size() if there is none.
 std::size_t strongest_felt(const Spectrum& spectrum);
 

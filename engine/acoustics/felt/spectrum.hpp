@@ -55,8 +55,8 @@ struct Spectrum {
 /// schedule that does not repeat within 1024 slots, such as a dwell of 1.2345 ms in slots of 1 ms.
 Spectrum spectrum_of(const array::Voice& voice, double slot_s, const SpectrumOptions& options = {});
 
-/// The same spectrum for N foci spread evenly on a closed curve of which only the length is known, so with Gaussian
-/// spots. Distances are taken along the curve. `phase_rad` is that at the first focus, `skin` is the origin.
+/// The same spectrum for N foci spread evenly on a closed curve. Only the curve's length is known, so spots are
+/// Gaussian. Distances are taken along the curve. `phase_rad` is that at the first focus, `skin` is the origin.
 struct Ring {
   double perimeter_m = 0;
   std::uint32_t foci = 10;

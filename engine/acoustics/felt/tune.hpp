@@ -1,18 +1,12 @@
 // Chooses how many foci a finger gets and in what order they play, so that the energy of the vibration lies where skin
 // is most sensitive, and little of it is felt as flutter.
 //
-// With N foci, stride s and dwell d, the frequency m / (N d) carries the perimeter's angular harmonic n with s n = m
-// (mod N). A small perimeter is one broad spot that moves around: its first harmonic dominates and sounds at s / (N d).
-// On a long perimeter, each place is touched briefly now and then, which gives equally strong lines at all m / (N d).
-// The best N and s therefore depend on the perimeter, and on how sharp the array's focus is there. The maximised
-// quantity is
-//
 //   balance(N, s, d) = vibration - flutter_weight flutter
 //
-// Both terms are what skin feels (skin.hpp) of a ring of that perimeter. Without the second term, a ring of 50 mm would
-// get 23 foci and, besides its lines at 203 and 232 Hz, an equally strong line at 29 Hz. N, s, d are changed only if
-// the balance grows by at least `gain` times the vibration. If several candidates are equally good, the fewest foci
-// win, then the smallest stride, then the longest dwell. Deterministic.
+// of N foci with stride s and dwell d, as skin feels (skin.hpp) a ring of the finger's perimeter under the array's
+// focus. They are changed only if the balance grows by at least `gain` times the vibration. If candidates are equally
+// good, the fewest foci win, then the smallest stride, then the longest dwell. Deterministic.
+// docs/notes/vibration-and-flutter.md#what-tuning-changes has the reasons.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@ using array::FocusSource;
 ArrayField::ArrayField(const array::Layout& layout, const array::DriveOptions& drive)
     : layout_(layout),
       weighting_(drive.constraint == array::Constraint::uniform ? array::Weighting::uniform : drive.weighting),
-      reach_(layout),
+      farthest_(layout),
       step_m_(1 / drive.medium.turns_per_metre() / 6) {
   transfer_.set(layout, drive.medium, drive.directivity);
 }
@@ -50,7 +50,7 @@ bool ArrayField::felt(std::span<const Vec3> path, std::size_t every, std::vector
   std::vector<FocusSource> sources;
   sources.reserve(path.size());
   for (const Vec3& place : path)
-    sources.push_back({place, reach_.farthest(place), 1});
+    sources.push_back({place, farthest_.distance_from(place), 1});
   const std::size_t foci = (path.size() + every - 1) / every, transducers = layout_.transducers.size();
   pressures.assign(foci * path.size(), 0);
   std::vector<double> imaginary(pressures.size());

@@ -12,8 +12,8 @@
 
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive.hpp"
+#include "array/farthest.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/reach.hpp"
 #include "base/math.hpp"
 
 namespace palpa::acoustics {
@@ -35,7 +35,7 @@ class ArrayField final : public FocusField {
   const array::Layout& layout_;
   array::Weighting weighting_;
   array::FreeField transfer_;
-  array::Reach reach_;
+  array::FarthestTransducer farthest_;
   double step_m_;
 };
 

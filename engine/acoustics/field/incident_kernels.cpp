@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "acoustics/lanes.hpp"
+#include "array/turns.hpp"
 
 namespace palpa::acoustics {
 
@@ -40,11 +41,7 @@ TransferSetting::TransferSetting(const Layout& layout, const Air& air, array::Di
 
 namespace {
 
-/// Rounds to the nearest whole number, up to 2^51 (double) and 2^22 (float).
-[[gnu::always_inline]] inline double nearest(double x) {
-  constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
-  return (x + shift) - shift;
-}
+/// Rounds to the nearest whole number, up to 2^22.
 [[gnu::always_inline]] inline float nearest(float x) {
   constexpr float shift = 12582912.0F;  // 1.5 * 2^23
   return (x + shift) - shift;
@@ -92,7 +89,7 @@ namespace {
     const double dx = to.x[i] - from.position.x, dy = to.y[i] - from.position.y, dz = to.z[i] - from.position.z;
     const double d = std::sqrt(dx * dx + dy * dy + dz * dz);
     const double all = d * setting.turns_per_metre;
-    turns[i] = static_cast<float>(all - nearest(all));
+    turns[i] = static_cast<float>(all - array::nearest(all));
     distance[i] = static_cast<float>(d);
     x[i] = static_cast<float>(dx);
     y[i] = static_cast<float>(dy);

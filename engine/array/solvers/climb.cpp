@@ -32,13 +32,13 @@ double unevenness(std::span<const double> loud, std::span<const std::uint8_t> co
 class Climb {
  public:
   Climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort, std::span<double> shares,
-        std::span<Complex> does, ClimbScratch& scratch)
-      : columns_(columns), targets_(targets), effort_(effort), shares_(shares), does_(does), s_(scratch) {}
+        std::span<Complex> drive, ClimbScratch& scratch)
+      : columns_(columns), targets_(targets), effort_(effort), shares_(shares), drive_(drive), s_(scratch) {}
 
   double run() {
     take_lanes(columns_, s_.columns);
-    take_lanes(does_, s_.does);
-    hear_lanes(s_.columns, s_.does, s_.pressure);
+    take_lanes(drive_, s_.drive);
+    hear_lanes(s_.columns, s_.drive, s_.pressure);
     find_loudness(s_.pressure, s_.loud);
     begin_shares();
     if (std::ranges::none_of(s_.counts, [](std::uint8_t counts) { return counts != 0; })) return 0;
@@ -47,7 +47,7 @@ class Climb {
     rise(0, effort_.steps);
     double weakest = weakest_of(s_.loud, s_.counts);
     if (effort_.lowerings > 0) lower(weakest);
-    give_back(s_.does, does_);
+    give_back(s_.drive, drive_);
     return weakest;
   }
 
@@ -87,19 +87,19 @@ class Climb {
       s_.turn[j] = s_.counts[j] && heard > 0 ? std::conj(s_.pressure[j]) / (heard * targets_[j]) : 0;
     }
     const std::size_t used = std::max<std::size_t>(effort_.transducers / lanes_together, 1);
-    array::find_growth(s_.columns, s_.does, s_.turn, {s_.stiff_pull, soft_},
+    array::find_growth(s_.columns, s_.drive, s_.turn, {s_.stiff_pull, soft_},
                        std::max<std::size_t>(s_.columns.blocks / used, 1), s_.growth);
   }
 
   /// Fills the tried drives, their pressure and their loudness.
   void try_shares(double stiffness) {
     find_pull(s_.tried_shares, s_.pull);
-    turn_lanes(s_.columns, s_.does, s_.pull, {s_.stiff_pull, soft_}, stiffness, climb_most_turn, s_.tried,
+    turn_lanes(s_.columns, s_.drive, s_.pull, {s_.stiff_pull, soft_}, stiffness, climb_most_turn, s_.tried,
                s_.tried_pressure);
     find_loudness(s_.tried_pressure, s_.tried_loud);
   }
   void keep() {
-    std::swap(s_.does, s_.tried);
+    std::swap(s_.drive, s_.tried);
     std::swap(s_.pressure, s_.tried_pressure);
     std::swap(s_.loud, s_.tried_loud);
   }
@@ -179,7 +179,7 @@ class Climb {
   const std::span<const double> targets_;
   const ClimbEffort& effort_;
   const std::span<double> shares_;
-  const std::span<Complex> does_;
+  const std::span<Complex> drive_;
   ClimbScratch& s_;
   double soft_ = 0;
 };
@@ -189,7 +189,7 @@ class Climb {
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
   for (std::vector<float>* values : {&scratch.columns.re, &scratch.columns.im})
     values->reserve((transducers + lanes_together) * foci);
-  for (LaneDrives* drives : {&scratch.does, &scratch.tried}) {
+  for (LaneDrives* drives : {&scratch.drive, &scratch.tried}) {
     drives->re.reserve(transducers + lanes_together);
     drives->im.reserve(transducers + lanes_together);
   }
@@ -206,9 +206,9 @@ void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
 }
 
 double climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort,
-             std::span<double> shares, std::span<Complex> does, ClimbScratch& scratch) {
+             std::span<double> shares, std::span<Complex> drive, ClimbScratch& scratch) {
   const std::size_t foci = columns.foci;
-  assert(targets.size() == foci && shares.size() == foci && does.size() == columns.transducers);
+  assert(targets.size() == foci && shares.size() == foci && drive.size() == columns.transducers);
   if (columns.transducers == 0) return 0;
   for (std::vector<Complex>* values :
        {&scratch.pressure, &scratch.tried_pressure, &scratch.pull, &scratch.stiff_pull, &scratch.turn})
@@ -219,7 +219,7 @@ double climb(const Columns& columns, std::span<const double> targets, const Clim
   scratch.counts.resize(foci);
   for (std::size_t j = 0; j < foci; ++j)
     scratch.counts[j] = targets[j] > 0 ? 1 : 0;
-  return Climb(columns, targets, effort, shares, does, scratch).run();
+  return Climb(columns, targets, effort, shares, drive, scratch).run();
 }
 
 }  // namespace palpa::array

@@ -5,25 +5,15 @@
 //   h_n      sum over j of z_j / t_j u_j* G_jn x_n: what transducer n gives to the foci, each by its share
 //   D_n      |h_n| + climb_soft times the mean of |h_n|: how stiff transducer n is
 //   J_jn     -Im(u_j* G_jn x_n) / t_j, the derivative of r_j by the phase of x_n
-//   K_jk     sum over n of J_jn J_kn / D_n
+//   K_jk     sum over n of J_jn J_kn / D_n, over a part of the transducers
 //
-// One step turns each transducer by -Im(h_n) / (stiffness D_n) with the shares that raise the common level most. With
-// D_n = |h_n| and stiffness 1 this is Newton's step for fixed phases of the foci, and nearly that of Gerchberg and
-// Saxton. But a transducer whose h_n is almost 0 turns only a little, because D_n stays away from 0. K comes from
-// transducers spread over the array, which suffices, because its error is the same part of K in every direction. The
-// passes over the transducers are in single precision. A step is kept if its goal became louder; otherwise the step is
-// made stiffer and tried again.
+// One step turns each transducer by -Im(h_n) / (stiffness D_n), with the shares that raise the common level most. A
+// step that does not raise its goal is undone and tried again, stiffer. The goal is a soft minimum in two stages, with
+// m the mean of r at the beginning, and then the weakest focus:
 //
-// The goal is the weakest focus. But from far away, it leads into small local optima. Two stages therefore come first,
-// whose goal is a soft minimum, and then a harder one, with B = climb_sharpness and m the mean of r at the beginning:
+//   -m / B log sum over j of e^(-B r_j / m),  B = climb_sharpness
 //
-//   -m / B log sum over j of e^(-B r_j / m)
-//
-// In their steps, shares are spread by m / B times the number of foci.
-//
-// Foci that are louder than the common level get no share, and nothing lowers them. They are lowered afterwards,
-// towards the weakest (K z = the differences), as long as the weakest keeps a given part of its loudness. If the array
-// does not resolve the foci, the weakest may need the others to be louder, and they stay.
+// At last, louder foci are lowered while the weakest keeps ClimbEffort::keep. docs/notes/gs-pat.md has the reasons.
 #pragma once
 
 #include <complex>
@@ -45,14 +35,14 @@ inline constexpr double climb_softer = 0.5;   ///< factor of the stiffness after
 inline constexpr double climb_stiffer = 3;    ///< factor after one that did not
 inline constexpr double climb_most_turn = 1;  ///< rad, of a transducer in one step
 inline constexpr double climb_even = 0.003;   ///< stops lowering once no focus is louder by more
-inline constexpr double climb_least_aim =
-    0.05;  ///< stops lowering if steps of this part of the differences do not help
+/// Stops lowering if steps of this part of the differences do not help.
+inline constexpr double climb_least_aim = 0.05;
 
 struct ClimbEffort {
   std::uint32_t soft_steps = 0;   ///< maximum number of steps of each soft stage, including those not kept
   std::uint32_t steps = 0;        ///< maximum number of steps up after them, including those not kept
   std::uint32_t lowerings = 0;    ///< maximum number of steps that lower, including those not kept
-  std::uint32_t transducers = 0;  ///< about so many transducers are used for K
+  std::uint32_t transducers = 0;  ///< K comes from about this many of them
   double enough = 1e-3;           ///< ends a stage once a step raises its goal by a smaller part
   double keep = 0.996;            ///< the part of its loudness that the weakest keeps while others are lowered
 };
@@ -60,20 +50,20 @@ struct ClimbEffort {
 /// Keeps its storage from call to call.
 struct ClimbScratch {
   LaneColumns columns;
-  LaneDrives does, tried;
+  LaneDrives drive, tried;
   std::vector<std::complex<double>> pressure, tried_pressure, pull, stiff_pull, turn;
   std::vector<double> growth, loud, tried_loud, tried_shares, change;
   std::vector<std::uint8_t> counts;
   ShareScratch step;
 };
 
-/// Room for so many transducers and foci.
+/// Reserves memory.
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci);
 
-/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j; foci whose target is 0 are
+/// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1. `targets` are t_j; foci whose target is 0 are
 /// ignored. `shares` are z_j, for the first stiffness, and afterwards the last ones. Returns the loudness of the
 /// weakest focus relative to its target, 0 if no focus has one.
 double climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort,
-             std::span<double> shares, std::span<std::complex<double>> does, ClimbScratch& scratch);
+             std::span<double> shares, std::span<std::complex<double>> drive, ClimbScratch& scratch);
 
 }  // namespace palpa::array

@@ -38,7 +38,7 @@ struct Heard {
 
 struct Work {
   const LaneColumns& columns;
-  const LaneDrives& does;
+  const LaneDrives& drive;
   const Pulls& pull;
   const Pulls& stiff;
   float soft;
@@ -72,11 +72,11 @@ struct Work {
 
 using Sums = std::array<Vector, most_solved_foci>;
 
-[[gnu::always_inline]] inline void listen_all(const LaneColumns& columns, const LaneDrives& does, Sums& re, Sums& im) {
+[[gnu::always_inline]] inline void listen_all(const LaneColumns& columns, const LaneDrives& drive, Sums& re, Sums& im) {
   for (std::size_t block = 0; block < columns.blocks; ++block) {
     Heard heard;
-    hear_block(columns, block, load_lanes<Lane>(&does.re[block * lanes_together]),
-               load_lanes<Lane>(&does.im[block * lanes_together]), heard);
+    hear_block(columns, block, load_lanes<Lane>(&drive.re[block * lanes_together]),
+               load_lanes<Lane>(&drive.im[block * lanes_together]), heard);
     for (std::size_t j = 0; j < columns.foci; ++j) {
       re[j] += heard.re[j];
       im[j] += heard.im[j];
@@ -88,8 +88,8 @@ using Sums = std::array<Vector, most_solved_foci>;
                                             Sums& sum_re, Sums& sum_im) {
   const std::size_t foci = work.columns.foci;
   for (std::size_t block = 0; block < work.columns.blocks; ++block) {
-    const Vector x = load_lanes<Lane>(&work.does.re[block * lanes_together]);
-    const Vector y = load_lanes<Lane>(&work.does.im[block * lanes_together]);
+    const Vector x = load_lanes<Lane>(&work.drive.re[block * lanes_together]);
+    const Vector y = load_lanes<Lane>(&work.drive.im[block * lanes_together]);
     Heard heard;
     hear_block(work.columns, block, x, y, heard);
     Vector pulled = zero();
@@ -120,8 +120,8 @@ using Pairs = std::array<Vector, most_solved_foci*(most_solved_foci + 1) / 2>;
   const std::size_t foci = work.columns.foci;
   for (std::size_t block = 0; block < work.columns.blocks; block += every) {
     Heard heard;
-    hear_block(work.columns, block, load_lanes<Lane>(&work.does.re[block * lanes_together]),
-               load_lanes<Lane>(&work.does.im[block * lanes_together]), heard);
+    hear_block(work.columns, block, load_lanes<Lane>(&work.drive.re[block * lanes_together]),
+               load_lanes<Lane>(&work.drive.im[block * lanes_together]), heard);
     const Vector held = stiffness_of(work, heard);
     Sums slopes;
     for (std::size_t j = 0; j < foci; ++j)
@@ -135,8 +135,8 @@ using Pairs = std::array<Vector, most_solved_foci*(most_solved_foci + 1) / 2>;
   }
 }
 
-void listen_plain(const LaneColumns& columns, const LaneDrives& does, Sums& re, Sums& im) {
-  listen_all(columns, does, re, im);
+void listen_plain(const LaneColumns& columns, const LaneDrives& drive, Sums& re, Sums& im) {
+  listen_all(columns, drive, re, im);
 }
 void turn_plain(const Work& work, float stiffness, float most_turn, LaneDrives& tried, Sums& re, Sums& im) {
   turn_all(work, stiffness, most_turn, tried, re, im);
@@ -144,8 +144,8 @@ void turn_plain(const Work& work, float stiffness, float most_turn, LaneDrives& 
 void grow_plain(const Work& work, std::size_t every, Pairs& pairs) {
   grow_all(work, every, pairs);
 }
-PALPA_AVX2 void listen_avx2(const LaneColumns& columns, const LaneDrives& does, Sums& re, Sums& im) {
-  listen_all(columns, does, re, im);
+PALPA_AVX2 void listen_avx2(const LaneColumns& columns, const LaneDrives& drive, Sums& re, Sums& im) {
+  listen_all(columns, drive, re, im);
 }
 PALPA_AVX2 void turn_avx2(const Work& work, float stiffness, float most_turn, LaneDrives& tried, Sums& re, Sums& im) {
   turn_all(work, stiffness, most_turn, tried, re, im);
@@ -184,50 +184,50 @@ void take_lanes(const Columns& columns, LaneColumns& lanes) {
   }
 }
 
-void take_lanes(std::span<const Complex> does, LaneDrives& lanes) {
-  const std::size_t size = (does.size() + lanes_together - 1) / lanes_together * lanes_together;
+void take_lanes(std::span<const Complex> drive, LaneDrives& lanes) {
+  const std::size_t size = (drive.size() + lanes_together - 1) / lanes_together * lanes_together;
   lanes.re.assign(size, 0);
   lanes.im.assign(size, 0);
-  for (std::size_t n = 0; n < does.size(); ++n) {
-    lanes.re[n] = static_cast<float>(does[n].real());
-    lanes.im[n] = static_cast<float>(does[n].imag());
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    lanes.re[n] = static_cast<float>(drive[n].real());
+    lanes.im[n] = static_cast<float>(drive[n].imag());
   }
 }
 
-void give_back(const LaneDrives& lanes, std::span<Complex> does) {
-  for (std::size_t n = 0; n < does.size(); ++n) {
+void give_back(const LaneDrives& lanes, std::span<Complex> drive) {
+  for (std::size_t n = 0; n < drive.size(); ++n) {
     const double re = static_cast<double>(lanes.re[n]), im = static_cast<double>(lanes.im[n]);
     const double size = std::sqrt(re * re + im * im);
-    if (size > 0) does[n] = Complex(re, im) * (std::abs(does[n]) / size);
+    if (size > 0) drive[n] = Complex(re, im) * (std::abs(drive[n]) / size);
   }
 }
 
-void hear_lanes(const LaneColumns& columns, const LaneDrives& does, std::span<Complex> pressure) {
+void hear_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<Complex> pressure) {
   Sums re{}, im{};
-  (has_avx2() ? listen_avx2 : listen_plain)(columns, does, re, im);
+  (has_avx2() ? listen_avx2 : listen_plain)(columns, drive, re, im);
   total(re, im, pressure);
 }
 
-void turn_lanes(const LaneColumns& columns, const LaneDrives& does, std::span<const Complex> pull,
+void turn_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<const Complex> pull,
                 const Stiffness& held, double stiffness, double most_turn, LaneDrives& tried,
                 std::span<Complex> pressure) {
-  tried.re.resize(does.re.size());
-  tried.im.resize(does.im.size());
+  tried.re.resize(drive.re.size());
+  tried.im.resize(drive.im.size());
   const Pulls pulls(pull), stiff(held.stiff);
   Sums re{}, im{};
-  (has_avx2() ? turn_avx2 : turn_plain)({columns, does, pulls, stiff, static_cast<float>(held.soft)},
+  (has_avx2() ? turn_avx2 : turn_plain)({columns, drive, pulls, stiff, static_cast<float>(held.soft)},
                                         static_cast<float>(stiffness), static_cast<float>(most_turn), tried, re, im);
   total(re, im, pressure);
 }
 
-void find_growth(const LaneColumns& columns, const LaneDrives& does, std::span<const Complex> turn,
+void find_growth(const LaneColumns& columns, const LaneDrives& drive, std::span<const Complex> turn,
                  const Stiffness& held, std::size_t every, std::span<double> growth) {
   assert(columns.foci <= most_solved_foci && growth.size() == columns.foci * columns.foci);
   const Pulls turns(turn), stiff(held.stiff);
   Pairs pairs;
   const std::size_t foci = columns.foci;
   std::fill_n(pairs.begin(), foci * (foci + 1) / 2, zero());
-  (has_avx2() ? grow_avx2 : grow_plain)({columns, does, turns, stiff, static_cast<float>(held.soft)}, every, pairs);
+  (has_avx2() ? grow_avx2 : grow_plain)({columns, drive, turns, stiff, static_cast<float>(held.soft)}, every, pairs);
   std::size_t pair = 0;
   for (std::size_t j = 0; j < foci; ++j) {
     for (std::size_t k = 0; k <= j; ++k)

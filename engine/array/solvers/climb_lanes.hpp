@@ -25,12 +25,12 @@ struct LaneDrives {
 
 /// These replace their results, keeping the storage.
 void take_lanes(const Columns& columns, LaneColumns& lanes);
-void take_lanes(std::span<const std::complex<double>> does, LaneDrives& lanes);
-/// Only the phases: magnitudes stay those of `does`.
-void give_back(const LaneDrives& lanes, std::span<std::complex<double>> does);
+void take_lanes(std::span<const std::complex<double>> drive, LaneDrives& lanes);
+/// Only the phases: magnitudes stay those of `drive`.
+void give_back(const LaneDrives& lanes, std::span<std::complex<double>> drive);
 
 /// p = G x.
-void hear_lanes(const LaneColumns& columns, const LaneDrives& does, std::span<std::complex<double>> pressure);
+void hear_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<std::complex<double>> pressure);
 
 /// D_n = |sum over j of stiff_j G_jn x_n| + soft.
 struct Stiffness {
@@ -40,13 +40,13 @@ struct Stiffness {
 
 /// Turns each transducer by -Im(sum over j of pull_j G_jn x_n) / (stiffness D_n), at most `most_turn`. Fills `tried`
 /// and its pressure.
-void turn_lanes(const LaneColumns& columns, const LaneDrives& does, std::span<const std::complex<double>> pull,
+void turn_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<const std::complex<double>> pull,
                 const Stiffness& held, double stiffness, double most_turn, LaneDrives& tried,
                 std::span<std::complex<double>> pressure);
 
 /// Fills K_jk = sum over n of J_jn J_kn / D_n, J_jn = -Im(turn_j G_jn x_n), rows of `foci`, from every `every`-th
 /// block, each counted `every` times.
-void find_growth(const LaneColumns& columns, const LaneDrives& does, std::span<const std::complex<double>> turn,
+void find_growth(const LaneColumns& columns, const LaneDrives& drive, std::span<const std::complex<double>> turn,
                  const Stiffness& held, std::size_t every, std::span<double> growth);
 
 }  // namespace palpa::array

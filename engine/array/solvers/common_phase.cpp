@@ -69,15 +69,15 @@ double turn_of(std::uint32_t number) {
 
 }  // namespace
 
-void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span<Complex> does,
+void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span<Complex> drive,
                          RoundingScratch& scratch) {
   assert(nulls.rows <= most_rows);
   if (nulls.rows == 0 || !(weakest_focus > 0)) return;
-  scratch.size.resize(does.size());
-  scratch.turns.resize(does.size());
-  for (std::size_t n = 0; n < does.size(); ++n) {
-    scratch.size[n] = std::sqrt(std::norm(does[n]));
-    scratch.turns[n] = std::atan2(does[n].imag(), does[n].real()) * (0.5 / std::numbers::pi);
+  scratch.size.resize(drive.size());
+  scratch.turns.resize(drive.size());
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    scratch.size[n] = std::sqrt(std::norm(drive[n]));
+    scratch.turns[n] = std::atan2(drive[n].imag(), drive[n].real()) * (0.5 / std::numbers::pi);
   }
   // The largest part of what a null may have, over all roundings.
   const auto worst_of = [&](std::uint32_t number, double enough) {
@@ -101,7 +101,7 @@ void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span
   if (chosen == 0) return;
   double cosine, sine;
   wave_of_turns(turn_of(chosen), cosine, sine);
-  for (Complex& one : does)
+  for (Complex& one : drive)
     one = {one.real() * cosine - one.imag() * sine, one.real() * sine + one.imag() * cosine};
 }
 

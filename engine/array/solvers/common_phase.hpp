@@ -25,10 +25,10 @@ struct RoundingScratch {
   std::vector<double> size, turns;
 };
 
-/// Turns `does` as a whole so that, rounded to each of these steps, the loudest null stays as far as possible below
+/// Turns `drive` as a whole so that, rounded to each of these steps, the loudest null stays as far as possible below
 /// what it may have. Changes nothing if it stays below anyway. `nulls`: the sound of the transducers at each; at most
 /// 64.
-void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span<std::complex<double>> does,
+void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span<std::complex<double>> drive,
                          RoundingScratch& scratch);
 
 }  // namespace palpa::array

@@ -12,15 +12,15 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Computes the pressure of `does` into `pressure`, and C. Products are written out, because those of std::complex
+/// Computes the pressure of `drive` into `pressure`, and C. Products are written out, because those of std::complex
 /// check for infinities.
-void listen(const Columns& columns, std::span<const Complex> does, std::span<Complex> pressure,
+void listen(const Columns& columns, std::span<const Complex> drive, std::span<Complex> pressure,
             std::span<Complex> across) {
   const std::size_t foci = columns.foci;
   std::array<double, most_solved_foci> re{}, im{}, sum_re{}, sum_im{};
   std::ranges::fill(across, Complex(0));
   for (std::size_t n = 0; n < columns.transducers; ++n) {
-    const double x = does[n].real(), y = does[n].imag();
+    const double x = drive[n].real(), y = drive[n].imag();
     for (std::size_t j = 0; j < foci; ++j) {
       const std::size_t entry = n * foci + j;
       re[j] = columns.loud[entry] * (x * columns.cosine[entry] - y * columns.sine[entry]);
@@ -41,12 +41,12 @@ void listen(const Columns& columns, std::span<const Complex> does, std::span<Com
 }
 
 /// Computes A, which does not depend on the phases of the transducers.
-void find_alike(const Columns& columns, std::span<const Complex> does, std::span<Complex> alike) {
+void find_alike(const Columns& columns, std::span<const Complex> drive, std::span<Complex> alike) {
   const std::size_t foci = columns.foci;
   std::ranges::fill(alike, Complex(0));
   for (std::size_t n = 0; n < columns.transducers; ++n) {
     const std::size_t first = n * foci;
-    const double part = std::norm(does[n]);
+    const double part = std::norm(drive[n]);
     for (std::size_t j = 0; j < foci; ++j) {
       auto* const row = reinterpret_cast<double*>(&alike[j * foci]);
       const double x = part * columns.loud[first + j] * columns.cosine[first + j];
@@ -63,7 +63,7 @@ void find_alike(const Columns& columns, std::span<const Complex> does, std::span
 
 /// Fills `tried`: the transducers' drives with phases changed by J^T y. `pull` is y_j u_j* divided by the target of
 /// focus j.
-void turn(const Columns& columns, std::span<const Complex> pull, std::span<const Complex> does,
+void turn(const Columns& columns, std::span<const Complex> pull, std::span<const Complex> drive,
           std::span<Complex> tried) {
   const std::size_t foci = columns.foci;
   for (std::size_t n = 0; n < columns.transducers; ++n) {
@@ -74,9 +74,9 @@ void turn(const Columns& columns, std::span<const Complex> pull, std::span<const
       re += pull[j].real() * x - pull[j].imag() * y;
       im += pull[j].real() * y + pull[j].imag() * x;
     }
-    const double by = -(re * does[n].imag() + im * does[n].real());
+    const double by = -(re * drive[n].imag() + im * drive[n].real());
     const double cosine = std::cos(by), sine = std::sin(by);
-    tried[n] = {does[n].real() * cosine - does[n].imag() * sine, does[n].real() * sine + does[n].imag() * cosine};
+    tried[n] = {drive[n].real() * cosine - drive[n].imag() * sine, drive[n].real() * sine + drive[n].imag() * cosine};
   }
 }
 
@@ -114,10 +114,10 @@ void find_pull(std::span<const double> targets, double level, double more, doubl
 }  // namespace
 
 Evened even_phases(const Columns& columns, std::span<const double> targets, double most_miss, std::uint32_t tries,
-                   std::span<Complex> does, PhaseScratch& scratch) {
+                   std::span<Complex> drive, PhaseScratch& scratch) {
   const std::size_t foci = columns.foci;
-  assert(targets.size() == foci && does.size() == columns.transducers && foci <= most_solved_foci);
-  scratch.tried.resize(does.size());
+  assert(targets.size() == foci && drive.size() == columns.transducers && foci <= most_solved_foci);
+  scratch.tried.resize(drive.size());
   for (std::vector<Complex>* values : {&scratch.pressure, &scratch.tried_pressure, &scratch.pull})
     values->resize(foci);
   for (std::vector<Complex>* values : {&scratch.alike, &scratch.across, &scratch.tried_across})
@@ -126,18 +126,18 @@ Evened even_phases(const Columns& columns, std::span<const double> targets, doub
   for (std::vector<double>* values : {&scratch.rest, &scratch.miss, &scratch.tried_miss})
     values->resize(foci);
 
-  listen(columns, does, scratch.pressure, scratch.across);
+  listen(columns, drive, scratch.pressure, scratch.across);
   double level = level_of(scratch.pressure, targets);
   double missed = find_misses(scratch.pressure, targets, level, scratch.miss);
   if (largest_miss(scratch.miss) <= most_miss) return {largest_miss(scratch.miss), 0};
-  find_alike(columns, does, scratch.alike);
+  find_alike(columns, drive, scratch.alike);
   double weakest = weakest_of(scratch.pressure, targets);
   double damping = even_damping;
   std::uint32_t raises = largest_miss(scratch.miss) > phases_uneven ? phases_raises : 0;
   std::uint32_t made = 0;
   while ((raises > 0 || largest_miss(scratch.miss) > most_miss) && made < tries && damping <= even_most_damping) {
     find_pull(targets, level, raises > 0 ? phases_push : 0, damping, scratch);
-    turn(columns, scratch.pull, does, scratch.tried);
+    turn(columns, scratch.pull, drive, scratch.tried);
     listen(columns, scratch.tried, scratch.tried_pressure, scratch.tried_across);
     const double level_then = level_of(scratch.tried_pressure, targets);
     const double missed_then = find_misses(scratch.tried_pressure, targets, level_then, scratch.tried_miss);
@@ -148,7 +148,7 @@ Evened even_phases(const Columns& columns, std::span<const double> targets, doub
       level = level_then;
       missed = missed_then;
       weakest = weakest_then;
-      std::ranges::copy(scratch.tried, does.begin());
+      std::ranges::copy(scratch.tried, drive.begin());
       std::swap(scratch.pressure, scratch.tried_pressure);
       std::swap(scratch.across, scratch.tried_across);
       std::swap(scratch.miss, scratch.tried_miss);

@@ -8,17 +8,8 @@
 //   C_jk = sum over n of G_jn G_kn x_n^2
 //
 // each row divided by t_j L. The misses m_j and the damping are those of even_out.hpp. The phases change by J^T y, the
-// smallest change that does it; y comes from a system whose size is the number of foci. One pass over the transducers
-// applies the previous y and sums the new pressures p at the foci, and C for the next step.
-//
-// A transducer whose sum was almost 0 is no problem here: its phase may change by any amount, whereas the factors can
-// only change it together with all transducers near it.
-//
-// Evening out makes loud foci quieter. If a focus initially misses by more than phases_uneven, phases_raises tries come
-// first. In these, each focus aims for phases_push of L more than it misses, m_j + phases_push, and a try is kept if
-// the weakest focus, relative to its t_j, became louder. Later tries are kept if the sum of squared misses decreases
-// and the weakest focus has kept phases_keep of its loudness, because large steps can even foci out at half the
-// loudness.
+// smallest change that does it. One pass over the transducers applies the previous y and sums p, and C for the next
+// step. docs/notes/gs-pat.md#bounded-amplitudes has the reasons.
 #pragma once
 
 #include <complex>
@@ -31,9 +22,12 @@
 
 namespace palpa::array {
 
+/// If a focus misses by more than this at first, `phases_raises` tries come first, in which each focus aims for
+/// `phases_push` of L more than it misses. A try is kept if the weakest focus became louder.
 inline constexpr double phases_uneven = 0.15;
 inline constexpr double phases_push = 0.1;
 inline constexpr std::uint32_t phases_raises = 6;
+/// The part of its loudness that later tries must leave the weakest focus.
 inline constexpr double phases_keep = 0.95;
 
 /// Keeps its storage from call to call.
@@ -44,9 +38,9 @@ struct PhaseScratch {
   std::vector<double> normal, rest, miss, tried_miss;
 };
 
-/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1. `targets` are t_j, at most most_solved_foci.
+/// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1. `targets` are t_j, at most most_solved_foci.
 /// Ends once no focus misses by more than `most_miss`, or after `tries` tries.
 Evened even_phases(const Columns& columns, std::span<const double> targets, double most_miss, std::uint32_t tries,
-                   std::span<std::complex<double>> does, PhaseScratch& scratch);
+                   std::span<std::complex<double>> drive, PhaseScratch& scratch);
 
 }  // namespace palpa::array

@@ -45,8 +45,8 @@ void hear_bounded(const Columns& columns, Constraint constraint, std::span<const
   std::array<double, most_solved_foci> re{}, im{};
   for (std::size_t n = 0; n < columns.transducers; ++n) {
     const std::size_t first = n * columns.foci;
-    const Complex does = bounded(sum_of(columns, first, factors), constraint);
-    const double x = does.real(), y = does.imag();
+    const Complex drive = bounded(sum_of(columns, first, factors), constraint);
+    const double x = drive.real(), y = drive.imag();
     for (std::size_t j = 0; j < columns.foci; ++j) {
       const double loud = columns.loud[first + j];
       re[j] += loud * (x * columns.cosine[first + j] - y * columns.sine[first + j]);

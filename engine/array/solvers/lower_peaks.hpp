@@ -25,7 +25,7 @@ struct PeakScratch {
   std::vector<std::complex<double>> kept, missing, products, system;
 };
 
-/// `foci`: G. `nulls`: Q (nulls.hpp), of which the first `null_rows` are used. `drive` has one row, which is silent at
+/// `foci`: G. `nulls`: Q (nulls.hpp); only its first `null_rows` rows are used. `drive` has one row, which is silent at
 /// these nulls. Ends early if a step makes it no lower. Returns the largest magnitude.
 double lower_peaks(const SplitRows& foci, const SplitRows& nulls, std::size_t null_rows, SplitRows& drive,
                    PeakScratch& scratch);

@@ -21,11 +21,11 @@ double run_climb(std::span<const double> claims, const ClimbEffort& effort, std:
     Complex sum = 0;
     for (std::size_t j = 0; j < foci; ++j)
       sum += start[j] * scratch.part.ask(n * foci + j);
-    scratch.does[n] = bounded(sum, Constraint::uniform);
+    scratch.drive[n] = bounded(sum, Constraint::uniform);
   }
   for (std::size_t j = 0; j < foci; ++j)
     scratch.shares[j] = magnitude(start[j]) * claims[j];
-  return climb(scratch.part, claims, effort, scratch.shares, scratch.does, scratch.climb);
+  return climb(scratch.part, claims, effort, scratch.shares, scratch.drive, scratch.climb);
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ void reserve(SearchScratch& scratch, std::size_t transducers, std::size_t foci) 
   scratch.starts.reserve(starts * foci);
   scratch.merits.reserve(starts);
   scratch.shares.reserve(foci);
-  scratch.does.reserve(part);
+  scratch.drive.reserve(part);
   reserve(scratch.climb, part, foci);
 }
 
@@ -81,7 +81,7 @@ void search_phases(const FocusMatrix& matrix, const Columns& columns, std::span<
   take_single(scratch.part, scratch.single);
   scratch.starts.resize(effort.starts * foci);
   scratch.merits.resize(effort.starts);
-  scratch.does.resize(scratch.part.transducers);
+  scratch.drive.resize(scratch.part.transducers);
   scratch.shares.resize(foci);
   for (std::uint32_t i = 0; i < effort.starts; ++i) {
     const std::span start = std::span(scratch.starts).subspan(i * foci, foci);

@@ -1,16 +1,12 @@
 // Where to begin a climb (climb.hpp): the phases of several foci have many local optima, of which the loudest is
-// sought.
-//
-// A part of the transducers, spread over the array, stands for all of them; on it everything costs a fraction. Starts
-// are those of gs_pat.hpp: the first is the factors that are given, each of the others has the phases of the joint
-// sound of gs_pat_sounds transducers. Each start takes a few steps of weighted Gerchberg-Saxton with all amplitudes at
-// 1,
+// sought, on a part of the transducers that is spread over the array.
 //
 //   x = phase(B c);  p = G x;  c_j <- phase(p_j) |c_j| t_j L / |p_j|
 //
-// and its loudest moment counts. The best of them climb a few steps in the phases of the part's transducers, which
-// shows how loud they can become. The result is the factors with which the loudest of them began to climb: phases of
-// transducers do not always follow from factors.
+// Each start takes a few such steps, and its loudest moment counts. The best starts climb a few steps. The result is
+// the factors with which the loudest of them began to climb: phases of transducers do not always follow from factors.
+// The first start is the factors that are given; each other one has the phases of the joint sound of gs_pat_sounds
+// transducers. docs/notes/gs-pat.md#seeking-loud-phases has the reasons.
 #pragma once
 
 #include <complex>
@@ -44,7 +40,7 @@ struct SearchScratch {
   Columns part;
   SinglePart single;
   std::vector<std::complex<double>> starts;  ///< factors of each start's loudest moment, [start * foci + focus]
-  std::vector<std::complex<double>> does;
+  std::vector<std::complex<double>> drive;
   std::vector<double> merits, shares;
   ClimbScratch climb;
 };
@@ -54,7 +50,7 @@ struct SearchScratch {
 void take_part(const Columns& columns, std::size_t count, Columns& part);
 Layout spread_over(const Layout& layout, std::size_t count);
 
-/// Room for so many transducers and foci, with any effort.
+/// Reserves memory for any effort.
 void reserve(SearchScratch& scratch, std::size_t transducers, std::size_t foci);
 
 /// Replaces `factors`. `claims` are t_j of the foci; one whose claim is 0 is ignored.

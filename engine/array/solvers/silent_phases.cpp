@@ -281,18 +281,18 @@ std::uint32_t settle(const SilentGoal& goal, std::uint32_t tries, State& state, 
 
 }  // namespace
 
-Silenced silent_phases(const SilentGoal& goal, std::span<Complex> does, SilentScratch& scratch) {
+Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentScratch& scratch) {
   const std::size_t foci = goal.targets.size(), rows = foci + goal.null_rows;
-  assert(does.size() == goal.foci.transducers && goal.null_rows <= goal.nulls.rows);
+  assert(drive.size() == goal.foci.transducers && goal.null_rows <= goal.nulls.rows);
   for (PhasedSounds* sounds : {&scratch.now, &scratch.tried})
-    fit(rows, does.size(), *sounds);
+    fit(rows, drive.size(), *sounds);
   PhasedSounds& now = scratch.now;
   const std::size_t stride = now.waves.stride;
   std::ranges::fill(now.re, 0);
   std::ranges::fill(now.im, 0);
-  for (std::size_t n = 0; n < does.size(); ++n) {
-    now.re[n] = does[n].real();
-    now.im[n] = does[n].imag();
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    now.re[n] = drive[n].real();
+    now.im[n] = drive[n].imag();
   }
   for (std::size_t j = 0; j < rows; ++j) {
     const SplitRows& from = j < foci ? goal.foci : goal.nulls;
@@ -324,8 +324,8 @@ Silenced silent_phases(const SilentGoal& goal, std::span<Complex> does, SilentSc
     }
     result.tries += settle(goal, silent_tries, state, scratch);
   }
-  for (std::size_t n = 0; n < does.size(); ++n)
-    does[n] = {scratch.now.re[n], scratch.now.im[n]};
+  for (std::size_t n = 0; n < drive.size(); ++n)
+    drive[n] = {scratch.now.re[n], scratch.now.im[n]};
   result.depth = state.depth;
   result.miss = state.miss;
   return result;

@@ -7,17 +7,9 @@
 //   J_jn  -Im(u_j* w_jn) / (t_j L) for a focus; -Im w_in / L and Re w_in / L for a null's row
 //   m_j   1 - |p_j| / (t_j L) for a focus; -Re p_i / L and -Im p_i / L
 //
-// The phases change by J^T y with (J J^T + damping) y = m: the drive goes to the nearest place of the plane on which,
-// to first order, all rows are as wanted, and from there back to its amplitudes. Alternating projections go to the
-// plane of all drives that are silent there and lose half of each step, because that plane leaves amplitudes free. This
-// method needs two or three steps where they need fifty.
-//
-// One pass over the transducers applies a step, turning each w_jn with its transducer, and sums the p_j. J J^T consists
-// of products of the w. They are summed again only if the last step gained little with them: phases change little.
-//
-// A drive that needed more than silent_few tries has lost loudness. With up to silent_raised_rows rows, each focus then
-// aims for silent_push beyond its goal in silent_raises more steps, and a step is kept if the weakest focus is louder
-// once the nulls are silent again.
+// The phases change by J^T y with (J J^T + damping) y = m. One pass over the transducers turns each w_jn with its
+// transducer and sums the p_j. The products of the w in J J^T are summed again only if the last step gained little.
+// docs/notes/nulls.md#uniform-and-clamp has the reasons.
 #pragma once
 
 #include <complex>
@@ -32,10 +24,13 @@ namespace palpa::array {
 inline constexpr double silent_depth = 3e-6;  ///< of a null's row, relative to the level of the foci
 inline constexpr double silent_miss = 3e-3;   ///< of a focus
 inline constexpr std::uint32_t silent_tries = 100;
+/// If more tries than this were needed, and there are at most `silent_raised_rows` rows, `silent_raises` more steps
+/// follow, in which each focus aims for `silent_push` beyond its goal. A step is kept if the weakest focus is louder
+/// once the nulls are silent again, after at most `silent_settles` tries.
 inline constexpr std::uint32_t silent_few = 3;
 inline constexpr std::size_t silent_raised_rows = 32;
 inline constexpr std::uint32_t silent_raises = 8;
-inline constexpr std::uint32_t silent_settles = 6;  ///< tries after each raise
+inline constexpr std::uint32_t silent_settles = 6;
 inline constexpr double silent_push = 0.1;
 
 /// The transducers' share in each row, and its sums.
@@ -57,9 +52,9 @@ struct SilentScratch {
 struct SilentGoal {
   const SplitRows& foci;             ///< G of the foci
   std::span<const double> targets;   ///< t of each focus; one with 0 is ignored
-  const SplitRows& nulls;            ///< Q,
-  std::size_t null_rows;             ///< of which the first ones are used,
-  std::span<const double> loudness;  ///< and l of each
+  const SplitRows& nulls;            ///< Q
+  std::size_t null_rows;             ///< only the first `null_rows` rows of Q are used
+  std::span<const double> loudness;  ///< l of each of these rows
 };
 
 /// The result.
@@ -69,7 +64,7 @@ struct Silenced {
   std::uint32_t tries = 0;  ///< passes over the transducers, including those of undone steps
 };
 
-/// Changes the phases of `does`, one per transducer, magnitudes 0 to 1.
-Silenced silent_phases(const SilentGoal& goal, std::span<std::complex<double>> does, SilentScratch& scratch);
+/// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1.
+Silenced silent_phases(const SilentGoal& goal, std::span<std::complex<double>> drive, SilentScratch& scratch);
 
 }  // namespace palpa::array

@@ -11,7 +11,7 @@
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "experiment/observe.hpp"
-#include "observer/beside.hpp"
+#include "observer/comparison.hpp"
 #include "observer/predicted/prediction_reports.hpp"
 #include "observer/prediction.hpp"
 #include "setup/assets.hpp"
@@ -74,15 +74,15 @@ void run_study_simulate(const StudySimulateCommand& o) {
                         {.keep = true});
   progress.reset();
   const std::string document = observer::prediction_document(prediction), hash = sha256(document);
-  observer::Beside beside = observer::beside(prediction, tables);
-  beside.left_out.insert(beside.left_out.begin(), left_out.begin(), left_out.end());
-  warn_of(beside.left_out);
+  observer::Comparison comparison = observer::compare(prediction, tables);
+  comparison.left_out.insert(comparison.left_out.begin(), left_out.begin(), left_out.end());
+  warn_of(comparison.left_out);
   if (!o.prediction.empty()) write_file(o.prediction, document);
   write_reports(o.common, o.outputs, outputs,
-                {.text = [&] { return prediction_text(prediction, beside, hash); },
-                 .json = [&] { return prediction_json(prediction, beside, hash); },
-                 .csv = [&] { return prediction_csv(prediction, beside); },
-                 .html = [&] { return prediction_html(prediction, beside, hash); }});
+                {.text = [&] { return prediction_text(prediction, comparison, hash); },
+                 .json = [&] { return prediction_json(prediction, comparison, hash); },
+                 .csv = [&] { return prediction_csv(prediction, comparison); },
+                 .html = [&] { return prediction_html(prediction, comparison, hash); }});
 }
 
 }  // namespace

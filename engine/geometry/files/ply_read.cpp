@@ -84,7 +84,7 @@ class Reader {
     numbers_ = 0;
   }
 
-  /// Warns of what lies behind the elements of the header, of which these are not read.
+  /// Warns of `unread` elements of the header, and of anything behind the last element.
   void warn_of_rest(std::span<const Element> unread) {
     const std::string more = binary() ? bytes_behind(unread) : lines_behind(unread);
     if (!more.empty())

@@ -172,7 +172,7 @@ class SceneReader {
 
   void finish(const std::string& where, SceneMesh out) {
     for (std::size_t v = 0; v < out.mesh.positions.size(); ++v) {
-      if (!finite(out.mesh.positions[v])) fail(fmt::format("{}: vertex {} is not finite in the world", where, v));
+      if (!is_finite(out.mesh.positions[v])) fail(fmt::format("{}: vertex {} is not finite in the world", where, v));
     }
     scene_.meshes.push_back(std::move(out));
   }
@@ -198,12 +198,10 @@ class SceneReader {
     }
   }
 
-  static bool finite(const Vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
   // Negative for a mirroring transform. Throws for a degenerate one.
   double handedness(const std::string& where, const Transform& T) const {
     const Vec3 x(T[0]), y(T[1]), z(T[2]);
-    if (!finite(x) || !finite(y) || !finite(z) || !finite(Vec3(T[3]))) {
+    if (!is_finite(x) || !is_finite(y) || !is_finite(z) || !is_finite(Vec3(T[3]))) {
       fail(where + ": its transform in the world is not finite");
     }
     // Uses unit columns, so that small scales do not count as zero.
@@ -364,7 +362,7 @@ class SceneReader {
     Box box;
     for (std::size_t v = 0; v < result.size(); ++v) {
       result[v] = Vec3(values[3 * v], values[3 * v + 1], values[3 * v + 2]);
-      if (!finite(result[v]))
+      if (!is_finite(result[v]))
         fail(fmt::format("accessor {}: vertex {} is not finite: {}", accessor, v, text::point(result[v])));
       box.add(result[v]);
     }

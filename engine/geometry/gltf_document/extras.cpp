@@ -5,19 +5,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <string_view>
-#include <vector>
 
+#include "base/nearest_word.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry::gltf {
 namespace {
 
-constexpr std::array<std::string_view, 14> keys{"touchable", "delta_m",     "foci",          "stride", "dwell_s",
-                                                "intensity", "pressure_pa", "press_depth_m", "click",  "stiffness",
-                                                "texture",   "grain_m",     "part_of",       "seam_m"};
+const std::array<std::string, 14> keys{"touchable", "delta_m",     "foci",          "stride", "dwell_s",
+                                       "intensity", "pressure_pa", "press_depth_m", "click",  "stiffness",
+                                       "texture",   "grain_m",     "part_of",       "seam_m"};
 
 struct Range {
   double low, high;
@@ -143,21 +142,6 @@ bool take(NodeHaptics& into, std::string_view key, const Entry& entry) {
   return true;
 }
 
-// The number of letters to insert, remove or replace to turn one into the other.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t above = row[j + 1];
-      row[j + 1] = std::min({above + 1, row[j] + 1, diagonal + (a[i] == b[j] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 NodeHaptics read_extras(const Item& node, UnknownKeys& unknown) {
@@ -229,12 +213,11 @@ bool has_palpa_extras(const Item& item) {
 
 std::string explain_unknown(const std::string& key) {
   const std::string_view bare = std::string_view(key).substr(key.starts_with("palpa_") ? 6 : 0);
-  // Typing errors, and missing units.
-  for (const std::string_view known : keys) {
-    if (distance(bare, known) <= 2 || (bare.size() >= 4 && known.starts_with(bare)))
-      return fmt::format("did you mean \"{}\"?", known);
-  }
-  return fmt::format("known are {}", fmt::join(keys, ", "));
+  const auto without_unit =
+      std::ranges::find_if(keys, [&](const std::string& known) { return bare.size() >= 4 && known.starts_with(bare); });
+  const std::string meant = without_unit != keys.end() ? *without_unit : nearest_word(bare, keys);
+  return meant.empty() ? fmt::format("known are {}", fmt::join(keys, ", "))
+                       : fmt::format("did you mean \"{}\"?", meant);
 }
 
 }  // namespace palpa::geometry::gltf

@@ -40,10 +40,6 @@ class Qhull {
   qhT state;
 };
 
-bool finite(const Vec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 /// A facet in qhull's output: three point numbers, and the plane that it shares with the facet it was cut from.
 struct Facet {
   std::array<std::uint32_t, 3> corners;
@@ -110,7 +106,7 @@ Hull in_order(std::span<const Vec3> points, std::vector<Facet> facets) {
 std::optional<Hull> convex_hull(std::span<const Vec3> points) {
   Box box;
   for (const Vec3& p : points) {
-    if (!finite(p)) throw failure("a point of a convex hull is not finite");
+    if (!is_finite(p)) throw failure("a point of a convex hull is not finite");
     box.add(p);
   }
   if (points.size() < 4) return std::nullopt;

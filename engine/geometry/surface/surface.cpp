@@ -44,8 +44,7 @@ CacheKey cache_key(const Mesh& mesh, const SurfaceOptions& options) {
   hash.add(options.reach_m);
   hash.add(static_cast<std::uint32_t>(options.deep));
   if (options.least_cells != SurfaceOptions().least_cells) hash.add(options.least_cells);
-  hash.add(mesh.positions.size());
-  hash.add(mesh.positions.data(), mesh.positions.size() * sizeof(Vec3));
+  hash.add(mesh.positions);
   hash.add(mesh.triangles.data(), mesh.triangles.size() * sizeof(glm::uvec3));
   return hash.key();
 }

@@ -43,21 +43,4 @@ double deflection_of_disc(double a, double r) {
   return 4 * r / (pi * skin_stiffness) * (value.second - (1 - ratio * ratio) * value.first);
 }
 
-double stress_of_punch(double a, double z, double r) {
-  const double xi = z / a, rho = r / a, middle = rho * rho + xi * xi - 1;
-  const double root = std::sqrt(middle * middle + 4 * xi * xi);
-  const double phi = std::atan2(2 * xi, middle), theta = std::atan(1 / xi);
-  return (std::sin(phi / 2) / std::sqrt(root) +
-          xi * std::sqrt(1 + xi * xi) * std::sin(1.5 * phi - theta) / (root * std::sqrt(root))) /
-         (2 * pi * a * a);
-}
-
-double reach_of_punch(double a, double r) {
-  return r <= a ? 1 : 2 / pi * std::asin(a / r);
-}
-
-double force_of_punch(double a) {
-  return 2 * a * skin_stiffness;
-}
-
 }  // namespace palpa::observer

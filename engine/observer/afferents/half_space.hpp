@@ -21,12 +21,4 @@ double stress_of_point(double z, double r);
 /// K and E are the complete elliptic integrals of the modulus, E' is skin_stiffness.
 double deflection_of_disc(double a, double r);
 
-/// The vertical stress at depth z and distance r from the axis of a flat punch of radius a with a force of 1 N (Sneddon
-/// 1946).
-double stress_of_punch(double a, double z, double r);
-/// The surface's deflection at distance r from such a punch, relative to that under it: 2/pi asin(a/r), at most 1.
-double reach_of_punch(double a, double r);
-/// The force of a punch that is pressed in by 1 mm, N: 2 a E'.
-double force_of_punch(double a);
-
 }  // namespace palpa::observer

@@ -5,7 +5,7 @@
 
 namespace palpa::observer {
 
-SkinSites sites_of(const geometry::Mesh& body, double reach_m, double spacing_m) {
+SkinSites sites_of(const geometry::Mesh& body) {
   SkinSites sites;
   std::vector<Vec3> centroids;
   std::vector<double> areas_cm2;
@@ -13,13 +13,13 @@ SkinSites sites_of(const geometry::Mesh& body, double reach_m, double spacing_m)
     const glm::uvec3& t = body.triangles[f];
     const Vec3 &a = body.positions[t.x], &b = body.positions[t.y], &c = body.positions[t.z];
     const Vec3 centroid = (a + b + c) / 3.0;
-    if (glm::length(centroid) > reach_m) continue;
+    if (glm::length(centroid) > fingertip_reach_m) continue;
     sites.faces.push_back(f);
     centroids.push_back(centroid);
     areas_cm2.push_back(glm::length(glm::cross(b - a, c - a)) / 2 * 1e4);
   }
   for (const Vec3& centroid : centroids) {
-    const auto near = [&](const Vec3& site) { return glm::distance(site, centroid) < spacing_m; };
+    const auto near = [&](const Vec3& site) { return glm::distance(site, centroid) < site_spacing_m; };
     if (std::ranges::none_of(sites.positions, near)) sites.positions.push_back(centroid);
   }
   sites.areas_cm2.resize(sites.positions.size());

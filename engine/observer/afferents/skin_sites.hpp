@@ -26,7 +26,7 @@ struct SkinSites {
 
 /// `body` has its tip at the origin. The sites are the first faces, in the order of the mesh, that are farther than the
 /// spacing from all earlier sites.
-SkinSites sites_of(const geometry::Mesh& body, double reach_m = fingertip_reach_m, double spacing_m = site_spacing_m);
+SkinSites sites_of(const geometry::Mesh& body);
 
 /// The number of afferents for which one model stands at a site of this area.
 double afferents_at(double area_cm2, AfferentClass kind);

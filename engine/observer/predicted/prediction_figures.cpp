@@ -38,7 +38,7 @@ void draw_chance_upright(Svg& svg, const Plot& plot, double chance) {
 
 }  // namespace
 
-std::string variants_figure(const Prediction& prediction, const Beside& beside) {
+std::string variants_figure(const Prediction& prediction, const Comparison& comparison) {
   std::vector<const PredictedVariant*> rows;
   for (const auto* list : {&prediction.variants, &prediction.nulls}) {
     for (const PredictedVariant& variant : *list)
@@ -51,7 +51,7 @@ std::string variants_figure(const Prediction& prediction, const Beside& beside) 
   draw_method_legend(svg, plot.left, 18, prediction);
   draw_x_axis(svg, plot, accuracy_ticks, "accuracy");
   draw_chance_upright(svg, plot, 1 / static_cast<double>(prediction.shapes.size()));
-  for (const ObservedMethod& observed : beside.methods) {
+  for (const ObservedMethod& observed : comparison.methods) {
     if (observed.method >= most_drawn) continue;
     const double x = plot.x(accuracy(observed.table));
     svg.curve({{x, plot.top}, {x, plot.top + plot.height}}, series(observed.method));

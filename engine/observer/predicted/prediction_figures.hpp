@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "observer/beside.hpp"
+#include "observer/comparison.hpp"
 #include "observer/prediction.hpp"
 
 namespace palpa::observer {
 
 /// The accuracy of every method with every variant, one row per variant; the results of people as lines.
-std::string variants_figure(const Prediction& prediction, const Beside& beside);
+std::string variants_figure(const Prediction& prediction, const Comparison& comparison);
 /// Accuracy by the level of pressure.
 std::string levels_figure(const Prediction& prediction);
 /// Methods by predicted accuracy, with the range of the variants.

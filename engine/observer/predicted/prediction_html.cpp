@@ -82,20 +82,20 @@ void add_fits(HtmlPage& page, const Prediction& p, const ObservedMethod& o) {
 
 }  // namespace
 
-std::string prediction_html(const Prediction& p, const Beside& beside, const std::string& sha256) {
+std::string prediction_html(const Prediction& p, const Comparison& comparison, const std::string& sha256) {
   HtmlPage page("Which shape will it be? The prediction of an ideal observer");
   page.paragraph(prediction_caution());
   page.paragraph(interval_caution());
   if (p.at_plan) page.paragraph(plan_level_line(p));
   page.paragraph(fmt::format("Fitted to {}. {} shapes, {} depths, {} placements. SHA-256 of the prediction: {}.",
                              fitted_line(p), p.shapes.size(), p.depths_m.size(), p.placements, sha256));
-  if (!beside.left_out.empty()) {
+  if (!comparison.left_out.empty()) {
     page.paragraph("Not everything could be put beside it:");
-    page.list(beside.left_out);
+    page.list(comparison.left_out);
   }
   page.heading("Accuracies");
   page.figure(
-      variants_figure(p, beside),
+      variants_figure(p, comparison),
       "Each row is an observer. Lines through the markers: accuracies for a fitted number at the ends of its 95 % "
       "interval. Upright lines: chance, and people.");
   add_variants(page, p);
@@ -104,15 +104,15 @@ std::string prediction_html(const Prediction& p, const Beside& beside, const std
   page.heading("Answers");
   for (std::size_t m = 0; m < p.methods.size(); ++m) {
     const Confusion* people = nullptr;
-    for (const ObservedMethod& observed : beside.methods) {
+    for (const ObservedMethod& observed : comparison.methods) {
       if (observed.method == m) people = &observed.table;
     }
     page.table(
         fmt::format("{}: predicted shares of the answers{}", p.methods[m], people ? " (in brackets: people)" : ""),
         table_of(p.shapes, p.variants[0].methods[m].shares, people));
   }
-  if (!beside.methods.empty()) page.heading("Beside people");
-  for (const ObservedMethod& observed : beside.methods)
+  if (!comparison.methods.empty()) page.heading("Beside people");
+  for (const ObservedMethod& observed : comparison.methods)
     add_fits(page, p, observed);
   page.heading("What should the next study try?");
   page.figure(ranking_figure(p),

@@ -129,12 +129,12 @@ std::string prediction_document(const Prediction& prediction) {
   return json.take();
 }
 
-std::string prediction_json(const Prediction& p, const Beside& beside, const std::string& sha256) {
+std::string prediction_json(const Prediction& p, const Comparison& comparison, const std::string& sha256) {
   JsonWriter json;
   json.begin_object().key("prediction");
   put_prediction(json, p);
   json.member("sha256", sha256).key("beside").begin_array(JsonWriter::Style::block);
-  for (const ObservedMethod& observed : beside.methods) {
+  for (const ObservedMethod& observed : comparison.methods) {
     json.begin_object().member("method", p.methods[observed.method]).member("source", observed.source);
     put(json, "accuracy", accuracy(observed.table));
     put_counts(json, observed.table);
@@ -152,7 +152,7 @@ std::string prediction_json(const Prediction& p, const Beside& beside, const std
     json.end_object();
   }
   json.end_array().key("left_out").begin_array(JsonWriter::Style::block);
-  for (const std::string& line : beside.left_out)
+  for (const std::string& line : comparison.left_out)
     json.value(line);
   json.end_array().end_object();
   return json.take();

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "observer/beside.hpp"
+#include "observer/comparison.hpp"
 #include "observer/prediction.hpp"
 
 namespace palpa::observer {
@@ -13,12 +13,12 @@ namespace palpa::observer {
 std::string prediction_document(const Prediction& prediction);
 
 /// A summary for a terminal. `sha256`: of the document.
-std::string prediction_text(const Prediction& prediction, const Beside& beside, const std::string& sha256);
+std::string prediction_text(const Prediction& prediction, const Comparison& comparison, const std::string& sha256);
 /// {"prediction": the document, "sha256": ..., "beside": [...]}.
-std::string prediction_json(const Prediction& prediction, const Beside& beside, const std::string& sha256);
+std::string prediction_json(const Prediction& prediction, const Comparison& comparison, const std::string& sha256);
 /// One row per variant and method.
-std::string prediction_csv(const Prediction& prediction, const Beside& beside);
-std::string prediction_html(const Prediction& prediction, const Beside& beside, const std::string& sha256);
+std::string prediction_csv(const Prediction& prediction, const Comparison& comparison);
+std::string prediction_html(const Prediction& prediction, const Comparison& comparison, const std::string& sha256);
 
 /// What a prediction does not say, for every report.
 std::string prediction_caution();

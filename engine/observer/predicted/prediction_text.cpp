@@ -75,7 +75,7 @@ std::string rank_line(const Prediction& prediction, const RankedMethod& entry) {
                      shown(entry.low), shown(entry.high));
 }
 
-std::string prediction_text(const Prediction& p, const Beside& beside, const std::string& sha256) {
+std::string prediction_text(const Prediction& p, const Comparison& comparison, const std::string& sha256) {
   std::string text;
   const auto out = std::back_inserter(text);
   const std::size_t methods = p.methods.size();
@@ -94,7 +94,7 @@ std::string prediction_text(const Prediction& p, const Beside& beside, const std
     fmt::format_to(out, "  {:<22}{}\n", "level " + p.at_plan->level.name, accuracies(p.at_plan->prediction, methods));
   for (const PredictedVariant& null : p.nulls)
     fmt::format_to(out, "  {:<22}{}\n", "null: " + null.name, accuracies(null, methods));
-  for (const ObservedMethod& observed : beside.methods) {
+  for (const ObservedMethod& observed : comparison.methods) {
     fmt::format_to(out, "  people, {}: {} {}\n", printable(observed.source), printable(p.methods[observed.method]),
                    shown(accuracy(observed.table)));
   }
@@ -110,7 +110,7 @@ std::string prediction_text(const Prediction& p, const Beside& beside, const std
   }
   for (std::size_t m = 0; m < methods; ++m)
     add_table(text, p.methods[m], p.shapes, reference.methods[m].shares);
-  for (const ObservedMethod& o : beside.methods) {
+  for (const ObservedMethod& o : comparison.methods) {
     const TableFit& fit = o.variants[0];
     fmt::format_to(out,
                    "\n{} beside {}: rms {} (chance {}, a perfect prediction {}), correlation of the errors {} (at most "
@@ -126,7 +126,7 @@ std::string prediction_text(const Prediction& p, const Beside& beside, const std
   return p.at_plan ? text + plan_level_line(p) + "\n" : text;
 }
 
-std::string prediction_csv(const Prediction& p, const Beside& beside) {
+std::string prediction_csv(const Prediction& p, const Comparison& comparison) {
   std::string csv = "kind,variant,method,accuracy,low,high,error,rms,errors_r,log_likelihood\n";
   const auto add = [&](const char* kind, const PredictedVariant& variant, const std::string& name, std::size_t index,
                        const std::vector<TableFit> ObservedMethod::*fits) {
@@ -137,8 +137,8 @@ std::string prediction_csv(const Prediction& p, const Beside& beside) {
                      number_cell(method.fitted_interval ? std::optional(method.fitted_interval->low) : std::nullopt),
                      number_cell(method.fitted_interval ? std::optional(method.fitted_interval->high) : std::nullopt),
                      number_cell(method.error));
-      const auto found = std::ranges::find(beside.methods, m, &ObservedMethod::method);
-      if (fits == nullptr || found == beside.methods.end()) {
+      const auto found = std::ranges::find(comparison.methods, m, &ObservedMethod::method);
+      if (fits == nullptr || found == comparison.methods.end()) {
         csv += ",,\n";
         continue;
       }

@@ -1,5 +1,5 @@
 // The sources of frames, by name: `synthetic[:MESH]`, `recording:DIR`, `joints:udp:PORT`, `joints:FILE`, and those that
-// other rooms add (real cameras).
+// the driver adds (real cameras).
 #pragma once
 
 #include <cstdint>

@@ -40,13 +40,6 @@ std::array<double, 6> solve(std::array<std::array<double, 6>, 6> a, std::array<d
   return b;
 }
 
-Vec3 mean_of(std::span<const Vec3> points) {
-  Vec3 mean(0);
-  for (const Vec3& p : points)
-    mean += p / static_cast<double>(points.size());
-  return mean;
-}
-
 /// The direction in which the points extend farthest.
 Vec3 longest_axis(std::span<const Vec3> points) {
   const Vec3 mean = mean_of(points);
@@ -79,6 +72,13 @@ Transform standing(std::span<const Vec3> skin, const Vec3& y) {
 }
 
 }  // namespace
+
+Vec3 mean_of(std::span<const Vec3> points) {
+  Vec3 mean(0);
+  for (const Vec3& p : points)
+    mean += p / static_cast<double>(points.size());
+  return mean;
+}
 
 FingerFit::FingerFit(const geometry::Mesh& finger)
     : nearest_(finger), end_m_(geometry::bounds(finger).high.y - end_margin_m) {

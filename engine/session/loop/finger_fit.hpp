@@ -23,6 +23,8 @@ struct FingerPose {
   double rms_m = 0;          ///< of their distances from the mesh
 };
 
+Vec3 mean_of(std::span<const Vec3> points);
+
 class FingerFit {
  public:
   /// How far from its contacts the skin of a finger is used.

@@ -22,13 +22,6 @@ using Complex = std::complex<double>;
 
 constexpr std::size_t most_known = 16;
 
-Vec3 mean_of(std::span<const Vec3> points) {
-  Vec3 mean(0);
-  for (const Vec3& p : points)
-    mean += p / static_cast<double>(points.size());
-  return mean;
-}
-
 Box around(const Vec3& centre, double reach) {
   return {centre - Vec3(reach), centre + Vec3(reach)};
 }
@@ -55,7 +48,7 @@ LiveFingers::LiveFingers(const SessionSetting& setting)
       surroundings_(surroundings_of(setting)),
       air_(acoustics::without_absorption(setting.finger->air)),
       newest_(std::make_shared<Answer>()),
-      beside_([this](const Question& question, const std::atomic<bool>& give_up) { return work(question, give_up); }) {
+      answers_([this](const Question& question, const std::atomic<bool>& give_up) { return work(question, give_up); }) {
   free_field_.set(setting.layout, setting.drive.medium, setting.drive.directivity);
 }
 
@@ -66,11 +59,11 @@ void LiveFingers::begin() {
   touching_ = false;
   next_sequence_.reset();
   asked_s_ = -1;
-  if (!beside_.stale()) beside_.ask({});
+  if (!answers_.stale()) answers_.ask({});
 }
 
 void LiveFingers::saw(std::span<const sensing::DepthFrame> images, std::uint64_t sequence) {
-  if (!touching_ || next_sequence_ || beside_.stale()) return;
+  if (!touching_ || next_sequence_ || answers_.stale()) return;
   next_.images.assign(images.begin(), images.end());
   next_sequence_ = sequence;
 }
@@ -94,13 +87,13 @@ void LiveFingers::planned(const FrameReport& report, const array::Schedule& sche
     const auto finger = std::ranges::find(fingers, voice.id, &touch::Finger::id);
     if (finger != fingers.end()) next_.fingers.push_back({voice.id, Vec3(finger->section.centroid), voice.foci});
   }
-  beside_.ask(std::move(next_));
+  answers_.ask(std::move(next_));
   next_ = {};
 }
 
 /// Takes the thread's newest answer.
 void LiveFingers::learn() {
-  std::shared_ptr<const Answer> answer = beside_.newest();
+  std::shared_ptr<const Answer> answer = answers_.newest();
   if (answer->number == learned_) return;
   learned_ = answer->number;
   if (!answer->fault.empty()) {

@@ -30,7 +30,7 @@
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/surroundings.hpp"
-#include "session/beside.hpp"
+#include "session/answer_thread.hpp"
 #include "session/loop/finger_fit.hpp"
 #include "session/plan/finger_sounds.hpp"
 #include "session/plan/planner.hpp"
@@ -132,7 +132,7 @@ class LiveFingers final : public FingerSounds {
   FingerSoundStats stats_;
   mutable std::vector<array::FocusSource> shifted_;
 
-  Beside<Question, Answer> beside_;  ///< last: its thread uses the others
+  AnswerThread<Question, Answer> answers_;  ///< last: its thread uses the others
 };
 
 }  // namespace palpa::session

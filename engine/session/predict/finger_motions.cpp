@@ -19,7 +19,7 @@ constexpr double skin_reach_m = 12e-3;
 }  // namespace
 
 FingerMotions::FingerMotions() {
-  const Known fresh{.filter = MotionFilter({.place_m = place_noise_m})};
+  const Known fresh{.filter = MotionFilter(place_noise_m)};
   known_.resize(touch::max_fingers, fresh);
   before_.resize(touch::max_fingers, fresh);
 }

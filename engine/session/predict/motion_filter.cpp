@@ -9,6 +9,7 @@ namespace {
 
 constexpr double least_sigma_m = 0.1e-3;
 constexpr double first_speed = 1;  ///< standard deviation of a coordinate of the velocity of a finger that is new, m/s
+constexpr double q2 = 0.4 * 0.4;   ///< m^2 s^-3
 constexpr double gain = 0.9;
 constexpr double gate = 12;
 
@@ -18,8 +19,7 @@ double square(double value) {
 
 }  // namespace
 
-MotionFilter::MotionFilter(const MotionNoise& noise)
-    : sigma2_(square(std::max(noise.place_m, least_sigma_m))), q2_(square(noise.acceleration)) {}
+MotionFilter::MotionFilter(double noise_m) : sigma2_(square(std::max(noise_m, least_sigma_m))) {}
 
 void MotionFilter::see(double time_s, const Vec3& place_m) {
   const double dt = time_s - time_s_;
@@ -35,9 +35,9 @@ void MotionFilter::see(double time_s, const Vec3& place_m) {
   }
   time_s_ = time_s;
   place_ += velocity_ * dt;
-  pxx_ += dt * (2 * pxv_ + dt * pvv_) + q2_ * dt * dt * dt / 3;
-  pxv_ += dt * pvv_ + q2_ * dt * dt / 2;
-  pvv_ += q2_ * dt;
+  pxx_ += dt * (2 * pxv_ + dt * pvv_) + q2 * dt * dt * dt / 3;
+  pxv_ += dt * pvv_ + q2 * dt * dt / 2;
+  pvv_ += q2 * dt;
   const Vec3 surprise = place_m - place_;
   const double kx = pxx_ / (pxx_ + sigma2_), kv = pxv_ / (pxx_ + sigma2_);
   place_ += surprise * kx;

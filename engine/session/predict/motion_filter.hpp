@@ -19,17 +19,13 @@
 
 namespace palpa::session {
 
-struct MotionNoise {
-  double acceleration = 0.4;  ///< q, m s^-1.5
-  double place_m = 0.3e-3;    ///< sigma of each coordinate; at least 0.1 mm is assumed
-};
-
 class MotionFilter {
  public:
   /// After a longer pause the filter restarts, because a finger turns back in less.
   static constexpr double longest_pause_s = 0.1;
 
-  explicit MotionFilter(const MotionNoise& noise = {});
+  /// `noise_m` is sigma of each coordinate; at least 0.1 mm is assumed.
+  explicit MotionFilter(double noise_m = 0.3e-3);
 
   /// The place in metres, seen at `time_s`. Restarts if the time goes back, or after a pause. Another place at the time
   /// of the last one improves the place and the velocity no more than a second measurement can.
@@ -47,7 +43,7 @@ class MotionFilter {
   static constexpr double most_speed = 3;  ///< m/s; no hand on an object is faster
 
  private:
-  double sigma2_, q2_;
+  double sigma2_;
   bool known_ = false;
   double time_s_ = 0;
   Vec3 place_{0}, velocity_{0};

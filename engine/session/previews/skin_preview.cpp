@@ -29,7 +29,7 @@ SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies, co
 }
 
 SkinPreview::SkinPreview(Work work)
-    : beside_([this, work = std::move(work)](const SkinQuestion& question, const std::atomic<bool>& give_up) {
+    : answers_([this, work = std::move(work)](const SkinQuestion& question, const std::atomic<bool>& give_up) {
         return work(question, bodies_, &give_up);
       }) {}
 

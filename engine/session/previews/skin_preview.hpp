@@ -22,7 +22,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
-#include "session/beside.hpp"
+#include "session/answer_thread.hpp"
 #include "session/plan/plan.hpp"
 
 namespace palpa::session {
@@ -61,14 +61,14 @@ class SkinPreview {
   using Work = std::function<SkinAnswer(const SkinQuestion&, acoustics::BodyCache&, const std::atomic<bool>* give_up)>;
   explicit SkinPreview(Work work = answer);
 
-  std::uint64_t ask(SkinQuestion question) { return beside_.ask(std::move(question)); }
-  std::shared_ptr<const SkinAnswer> newest() const { return beside_.newest(); }
+  std::uint64_t ask(SkinQuestion question) { return answers_.ask(std::move(question)); }
+  std::shared_ptr<const SkinAnswer> newest() const { return answers_.newest(); }
   /// Whether there is a newer question than the one that newest() answers. A picture of that answer should be marked.
-  bool stale() const { return beside_.stale(); }
+  bool stale() const { return answers_.stale(); }
 
  private:
   acoustics::BodyCache bodies_;  ///< used by the thread only
-  Beside<SkinQuestion, SkinAnswer> beside_;
+  AnswerThread<SkinQuestion, SkinAnswer> answers_;
 };
 
 }  // namespace palpa::session

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "array/loudness.hpp"
-#include "array/usual.hpp"
+#include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "line/values.hpp"
@@ -80,7 +80,7 @@ void check_drive(const array::Layout& layout, std::span<const array::TransducerD
 
 void check_focus(const array::Layout& layout, const array::SlotFocus& focus, const std::string& what) {
   refuse_place(layout, focus.position, what);
-  if (const std::string odd = array::unusual_place(layout, {focus.position, focus.position}); !odd.empty())
+  if (const std::string odd = array::implausible_place(layout, {focus.position, focus.position}); !odd.empty())
     log::warning(what + " " + odd);
 }
 

@@ -28,7 +28,7 @@ struct AskedFocus {
 
 /// One voice per focus, all in slot 0. Throws bad_usage, naming the focus by its number from 1, for a gain out of
 /// range, a focus farther than 100 m from the array, or a focus at a transducer. Warns of a weak focus
-/// (array/usual.hpp).
+/// (array/plausible.hpp).
 array::Schedule schedule_of(std::span<const AskedFocus> foci, const array::Layout& layout);
 /// The same for texts "x,y,z" or "x,y,z,gain", as given to --focus; lengths may have a unit. Messages name the option
 /// and the text.

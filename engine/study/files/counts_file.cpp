@@ -112,15 +112,4 @@ CountsFile read_counts(const std::filesystem::path& file) {
   return parse_counts(read_text_file(file, most_bytes), file.string());
 }
 
-std::string counts_csv(const Confusion& table) {
-  std::string csv = fmt::format("actual,{}\n", fmt::join(table.shapes, ","));
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    csv += table.shapes[i];
-    for (std::size_t j = 0; j < table.size(); ++j)
-      csv += fmt::format(",{}", table.at(i, j));
-    csv += '\n';
-  }
-  return csv;
-}
-
 }  // namespace palpa::study

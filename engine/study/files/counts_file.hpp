@@ -22,7 +22,4 @@ struct CountsFile {
 CountsFile parse_counts(std::string_view text, const std::string& name);
 CountsFile read_counts(const std::filesystem::path& file);
 
-/// The same form, for reading back.
-std::string counts_csv(const Confusion& table);
-
 }  // namespace palpa::study

@@ -140,8 +140,7 @@ bool is_file(const std::string& name) {
 }  // namespace
 
 StudyPlan read_plan(const fs::path& file) {
-  const std::string text = read_file(file, TomlLimits().bytes);
-  return plan_of(TomlTable::parse(text, file.string(), what), file.string(), text);
+  return parse_plan(read_file(file, TomlLimits().bytes), file.string());
 }
 
 StudyPlan parse_plan(const std::string& text, const std::string& name) {

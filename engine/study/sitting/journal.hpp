@@ -59,7 +59,7 @@ struct TouchLosses {
   std::uint64_t drives = 0;           ///< that sound and that the array never got
   std::uint64_t skipped_drives = 0;   ///< that were never sent, because the program was too late
   std::uint64_t outdated_frames = 0;  ///< whose drives came too late to sound
-  std::uint64_t thinned_frames = 0;   ///< of which only some pixels were looked at, or only some foci played
+  std::uint64_t thinned_frames = 0;   ///< only some of their pixels were looked at, or only some of their foci played
   bool operator==(const TouchLosses&) const = default;
 };
 

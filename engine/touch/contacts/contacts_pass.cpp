@@ -77,31 +77,32 @@ void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& param
   }
 }
 
-std::vector<gpu::ScratchBuffer> ContactsPass::scratch(const Room& room) {
+std::vector<gpu::ScratchBuffer> ContactsPass::scratch(const Capacity& capacity) {
   std::vector<gpu::ScratchBuffer> list(scratch_count);
-  list[hits] = {"contact hits", std::uint64_t{room.points} * sizeof(shader::Hit)};
-  list[masks] = {"contact masks", mask_words(room.points) * 4};
-  list[counts] = {"contact counts", std::uint64_t{most_chunks(room.points)} * 4};
-  list[deep_masks] = {"deep masks", room.deep == 0 ? 0 : mask_words(room.points) * 4};
-  list[deep_counts] = {"deep counts", room.deep == 0 ? 0 : std::uint64_t{most_chunks(room.points)} * 4};
+  list[hits] = {"contact hits", std::uint64_t{capacity.points} * sizeof(shader::Hit)};
+  list[masks] = {"contact masks", mask_words(capacity.points) * 4};
+  list[counts] = {"contact counts", std::uint64_t{most_chunks(capacity.points)} * 4};
+  list[deep_masks] = {"deep masks", capacity.deep == 0 ? 0 : mask_words(capacity.points) * 4};
+  list[deep_counts] = {"deep counts", capacity.deep == 0 ? 0 : std::uint64_t{most_chunks(capacity.points)} * 4};
   return list;
 }
 
-shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids) {
+shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Capacity& capacity,
+                                        const PreparedSolids& solids) {
   constexpr std::uint32_t all = shader::contacts_most_points;
   const std::uint32_t rounds =
       device.description().ends_long_loops
           ? std::clamp(shader::contacts_most_iterations / std::max(solids.iterations, 1U), 1U, all)
           : all;
-  return {rounds * shader::contacts_group, shader::contacts_chunks, most_chunks(room.points), 4};
+  return {rounds * shader::contacts_group, shader::contacts_chunks, most_chunks(capacity.points), 4};
 }
 
-void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, const gpu::Scratch& s, const Room& room,
-                          const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times,
-                          std::uint32_t elapsed_us) const {
+void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, const gpu::Scratch& s,
+                          const Capacity& capacity, const PreparedSolids& solids, const Parameters& parameters,
+                          gpu::Timestamps* times, std::uint32_t elapsed_us) const {
   const auto count = static_cast<std::uint32_t>(solids.records.size());
   shader::ContactsPush push{
-      {}, count, static_cast<float>(parameters.delta_m), room.points, room.contacts, elapsed_us, 0, 0, 0};
+      {}, count, static_cast<float>(parameters.delta_m), capacity.points, capacity.contacts, elapsed_us, 0, 0, 0};
   if (count == 1) push.only = solids.records[0];
   const bool with_deep = parameters.wants_deep();
   const Kernel kernel = kernel_for(solids);
@@ -127,7 +128,7 @@ void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, c
   if (times) times->mark(commands, "contacts find");
   pack_.dispatch_indirect(commands, spirv::contacts_pack_buffers(buffers), push, chunks);
   if (with_deep) {
-    push.most_contacts = room.deep;
+    push.most_contacts = capacity.deep;
     buffers.masks = s[deep_masks];
     buffers.counts = s[deep_counts];
     buffers.total = b.deep_total;

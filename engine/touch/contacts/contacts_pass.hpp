@@ -10,8 +10,8 @@
 #include "gpu/timestamps.hpp"
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/reach.h"
+#include "touch/capacity.hpp"
 #include "touch/contacts/prepared_solids.hpp"
-#include "touch/room.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -34,39 +34,39 @@ struct ContactsBindings {
   /// out: shader::ScanTotal: the contacts found, including those for which there was no room. Its groups are those of
   /// the passes over contacts: shader::contact_group each, at least one and at most shader::contacts_most_groups
   gpu::BufferRef total;
-  gpu::BufferRef contacts;  ///< out: shader::ContactRecord[room.contacts], in input order
+  gpu::BufferRef contacts;  ///< out: shader::ContactRecord[capacity.contacts], in input order
   // Needed only if a solid is looked up by its surface or its parts; then all of them are bound, even empty ones.
   SurfaceBindings surface = {};  ///< in
   gpu::BufferRef parts = {};     ///< in: PreparedSolids::parts, uvec4[], with a view of R32G32B32A32_UINT texels
   // Needed only if deep points are requested.
   gpu::BufferRef deep_total = {};  ///< out: shader::ScanTotal
-  gpu::BufferRef deep = {};        ///< out: shader::ContactRecord[room.deep]
+  gpu::BufferRef deep = {};        ///< out: shader::ContactRecord[capacity.deep]
   /// in: shader::ReachTable. Needed only if fingers of the frame before reach beyond the shell's edges.
   gpu::BufferRef reach = {};
 };
 
-/// Pipelines only; two dispatches: find, pack; three with deep points. Points beyond `room.points` and contacts beyond
-/// `room.contacts` are left out; `length` and `total` report how many there were.
+/// Pipelines only; two dispatches: find, pack; three with deep points. Points beyond `capacity.points` and contacts
+/// beyond `capacity.contacts` are left out; `length` and `total` report how many there were.
 class ContactsPass {
  public:
   explicit ContactsPass(const gpu::Device& device) : device_(&device) {}
 
   /// Makes the pipelines that record() uses for these arguments; existing pipelines are kept. `solids` may move
-  /// afterwards. On a device that counts a kernel's iterations, throws bad_input with the solids' file (bad_usage if
-  /// there is no file) if the device could not look one point up among so many solids.
+  /// afterwards. Throws bad_input with the solids' file (bad_usage if there is no file) if there are too many solids
+  /// for a device that counts a kernel's iterations.
   void prepare(const PreparedSolids& solids, const Parameters& parameters);
 
-  static std::vector<gpu::ScratchBuffer> scratch(const Room& room);
+  static std::vector<gpu::ScratchBuffer> scratch(const Capacity& capacity);
 
   /// How to divide the points so that no thread exceeds the limit of a device that counts iterations.
-  static shader::ScanGroups groups(const gpu::Device& device, const Room& room, const PreparedSolids& solids);
+  static shader::ScanGroups groups(const gpu::Device& device, const Capacity& capacity, const PreparedSolids& solids);
 
   /// Barriers: points and length must be visible to compute, and length also as indirect arguments. Adds the inner
   /// barriers itself; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts
   /// pack". `elapsed_us`: from the frame before to this one; reach_none if `reach` is not to be read.
-  void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch, const Room& room,
-              const PreparedSolids& solids, const Parameters& parameters, gpu::Timestamps* times = nullptr,
-              std::uint32_t elapsed_us = shader::reach_none) const;
+  void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch,
+              const Capacity& capacity, const PreparedSolids& solids, const Parameters& parameters,
+              gpu::Timestamps* times = nullptr, std::uint32_t elapsed_us = shader::reach_none) const;
 
  private:
   enum ScratchIndex : std::size_t { hits, masks, counts, deep_masks, deep_counts, scratch_count };

@@ -13,14 +13,13 @@
 #include "base/error.hpp"
 #include "geometry/mesh/nearest.hpp"
 #include "shaders/touch/contacts/parts_depth.h"
+#include "touch/contacts/plane_cells.hpp"
 
 namespace palpa::touch {
 namespace {
 
 using geometry::InternalFaces;
 
-/// Cells deeper than this are not refined further, because no sensible delta reaches there.
-constexpr double refined_depth = 5e-3;
 /// Lists up to this length are not refined further.
 constexpr std::size_t few_triangles = 3;
 
@@ -29,10 +28,6 @@ std::uint32_t cells_per_axis(std::size_t planes) {
   return planes <= 1024 ? 16 : 32;
 }
 
-struct LocalPlane {
-  Vec3 normal;
-  double offset;
-};
 struct LocalPart {
   std::vector<LocalPlane> planes;
 };
@@ -47,18 +42,6 @@ struct Candidate {
   std::uint32_t part;
   std::vector<std::uint32_t> planes;
 };
-
-double spread(const Vec3& direction, const Vec3& half) {
-  return std::abs(direction.x) * half.x + std::abs(direction.y) * half.y + std::abs(direction.z) * half.z;
-}
-
-float rounded_down(double value) {
-  const float f = static_cast<float>(value);
-  return f > value ? std::nextafter(f, -std::numeric_limits<float>::infinity()) : f;
-}
-float rounded_up(double value) {
-  return -rounded_down(-value);
-}
 
 std::uint32_t bits(double value) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(value));
@@ -165,7 +148,7 @@ class Grid {
     std::uint32_t nearest = 0;
     for (const std::uint32_t m : candidate.planes) {
       const double depth = planes[m].offset - glm::dot(planes[m].normal, cell.centre);
-      const double reach = spread(planes[m].normal, cell.half);
+      const double reach = half_width(planes[m].normal, cell.half);
       deepest = std::min(deepest, depth + reach);
       shallowest = std::min(shallowest, depth - reach);
       if (depth < nearest_depth) {
@@ -180,7 +163,8 @@ class Grid {
     Candidate kept{candidate.part, {}};
     for (const std::uint32_t m : candidate.planes) {
       const double behind = planes[m].offset - glm::dot(planes[m].normal, cell.centre) - nearest_depth;
-      if (behind <= spread(planes[m].normal - planes[nearest].normal, cell.half) + margin_) kept.planes.push_back(m);
+      if (behind <= half_width(planes[m].normal - planes[nearest].normal, cell.half) + margin_)
+        kept.planes.push_back(m);
     }
     here.push_back(std::move(kept));
     inside = inside || shallowest - margin_ > 0;
@@ -223,7 +207,7 @@ class Grid {
           glm::max(glm::max(t.box.low - (cell.centre + cell.half), (cell.centre - cell.half) - t.box.high), Vec3(0));
       const double above = std::abs(t.plane.offset - glm::dot(t.plane.normal, cell.centre));
       const double bound =
-          std::max({distance_[i] - radius, glm::length(gap), above - spread(t.plane.normal, cell.half)});
+          std::max({distance_[i] - radius, glm::length(gap), above - half_width(t.plane.normal, cell.half)});
       if (bound <= farthest + margin_) near.push_back(surface[i]);
     }
     least = nearest - radius - margin_;
@@ -312,20 +296,16 @@ class Grid {
   std::vector<std::array<double, 8>> squares_;
 };
 
-bool finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 }  // namespace
 
 PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& parts, InternalFaces faces) {
   Box box;
   bool usable = !parts.parts.empty();
   for (const geometry::Part& part : parts.parts) {
-    usable =
-        usable && !part.planes.empty() && !part.bounds.empty() && finite(part.bounds.low) && finite(part.bounds.high);
+    usable = usable && !part.planes.empty() && !part.bounds.empty() && is_finite(part.bounds.low) &&
+             is_finite(part.bounds.high);
     for (const geometry::Plane& plane : part.planes)
-      usable = usable && finite(plane.normal) && std::isfinite(plane.offset);
+      usable = usable && is_finite(plane.normal) && std::isfinite(plane.offset);
     box.add(part.bounds.low);
     box.add(part.bounds.high);
   }
@@ -366,17 +346,6 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
   const Activity work("filling the grid of its parts");
   Grid(local, triangles, grid, faces, tolerance, words).build();
   return grid;
-}
-
-float parts_depth(const std::vector<shader::uvec4>& words, const PartsGrid& grid, const glm::vec3& point, float limit) {
-  const glm::vec3 p = point - grid.centre;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(p[axis] >= grid.low[axis] && p[axis] <= grid.high[axis])) return 0;
-  }
-  const auto three = [](const glm::vec3& v) { return shader::Float3{v.x, v.y, v.z}; };
-  const std::uint32_t cell =
-      shader::parts_cell(three(p), three(grid.low), three(grid.cells_per_metre), grid.cells_per_axis);
-  return shader::parts_depth(words.data(), grid.base, cell, three(p), limit);
 }
 
 }  // namespace palpa::touch

@@ -32,8 +32,4 @@ constexpr std::uint64_t most_looks(std::uint64_t planes_and_triangles) {
 /// much that most_looks() is exceeded.
 PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& parts, geometry::InternalFaces faces);
 
-/// The twin of the shader's lookup: depth of a world point below the surface, in metres; 0 if the point is in no part,
-/// or if its cell is nowhere less than `limit` deep.
-float parts_depth(const std::vector<shader::uvec4>& words, const PartsGrid& grid, const glm::vec3& point, float limit);
-
 }  // namespace palpa::touch

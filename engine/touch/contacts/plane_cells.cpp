@@ -9,18 +9,12 @@
 namespace palpa::touch {
 namespace {
 
-/// Cells deeper than this are not refined further, because no sensible delta reaches there.
-constexpr double refined_depth = 5e-3;
 /// A list this short is not worth splitting.
 constexpr std::size_t short_list = 1;
 
 std::uint32_t cells_per_axis(std::size_t planes) {
   if (planes <= 128) return 8;
   return planes <= 512 ? 16 : 32;
-}
-
-double spread(const Vec3& direction, const Vec3& half) {
-  return std::abs(direction.x) * half.x + std::abs(direction.y) * half.y + std::abs(direction.z) * half.z;
 }
 
 /// Refines one solid's box as an octree whose leaves fill ranges of a flat grid.
@@ -56,7 +50,7 @@ class Grid {
     std::uint32_t nearest = 0;
     for (const std::uint32_t m : inherited) {
       const double depth = planes[m].offset - glm::dot(planes[m].normal, centre);
-      const double reach = spread(planes[m].normal, half);
+      const double reach = half_width(planes[m].normal, half);
       deepest = std::min(deepest, depth + reach);
       shallowest = std::min(shallowest, depth - reach);
       if (depth < nearest_depth) {
@@ -70,7 +64,7 @@ class Grid {
     if (deepest > 0) {
       for (const std::uint32_t m : inherited) {
         const double behind = planes[m].offset - glm::dot(planes[m].normal, centre) - nearest_depth;
-        if (behind <= spread(planes[m].normal - planes[nearest].normal, half) + margin_) kept.push_back(m);
+        if (behind <= half_width(planes[m].normal - planes[nearest].normal, half) + margin_) kept.push_back(m);
       }
       if (width > 1 && kept.size() > short_list && shallowest < refined_depth) {
         const std::uint32_t child = width / 2;
@@ -102,6 +96,10 @@ class Grid {
 };
 
 }  // namespace
+
+double half_width(const Vec3& direction, const Vec3& half) {
+  return std::abs(direction.x) * half.x + std::abs(direction.y) * half.y + std::abs(direction.z) * half.z;
+}
 
 float rounded_down(double value) {
   const float f = static_cast<float>(value);

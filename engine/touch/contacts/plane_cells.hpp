@@ -30,6 +30,12 @@ struct PlaneCells {
 PlaneCells make_plane_cells(const std::vector<LocalPlane>& planes, const Vec3& low, const Vec3& high,
                             std::size_t most_listed);
 
+/// Cells deeper than this are not refined further, because no sensible delta reaches there.
+inline constexpr double refined_depth = 5e-3;
+
+/// How far a box with these half sides reaches from its centre along a direction, times the direction's length.
+double half_width(const Vec3& direction, const Vec3& half);
+
 /// The nearest float that is not greater than `value`, and the nearest that is not less.
 float rounded_down(double value);
 float rounded_up(double value);

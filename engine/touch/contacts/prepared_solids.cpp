@@ -72,10 +72,6 @@ void add_convex(PreparedSolids& table, std::size_t& listed, const geometry::Soli
   listed += made.list.size();
 }
 
-bool finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 bool asked_by_surface(const geometry::Solid& solid) {
   return !solid.mesh.triangles.empty() && (solid.planes.empty() || solid.planes.size() > most_planes);
 }
@@ -214,13 +210,13 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Solid& solid = solids[s];
     const bool by_surface = asked_by_parts(solid) || asked_by_surface(solid);
-    bool usable = (by_surface || !solid.planes.empty()) && !solid.bounds.empty() && finite(solid.bounds.low) &&
-                  finite(solid.bounds.high);
+    bool usable = (by_surface || !solid.planes.empty()) && !solid.bounds.empty() && is_finite(solid.bounds.low) &&
+                  is_finite(solid.bounds.high);
     const Vec3 centre(glm::vec3(solid.bounds.centre()));
     for (const geometry::Plane& plane : solid.planes) {
       if (by_surface) break;
       local[s].push_back({plane.normal, plane.offset - glm::dot(plane.normal, centre)});
-      usable = usable && finite(plane.normal) && std::isfinite(plane.offset);
+      usable = usable && is_finite(plane.normal) && std::isfinite(plane.offset);
     }
     if (!usable) throw bad_usage(fmt::format("solid '{}' has no planes or no finite box", solid.name));
   }
@@ -268,7 +264,7 @@ void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_wo
   for (int i = 0; i < 3; ++i)
     off += std::abs(square[i].x) + std::abs(square[i].y) + std::abs(square[i].z);
   const Vec3 centre = transform_point(T_world_made, solids.centres[solid]);
-  if (!(off < 1e-6) || !(glm::determinant(R) > 0) || !finite(centre)) {
+  if (!(off < 1e-6) || !(glm::determinant(R) > 0) || !is_finite(centre)) {
     throw bad_usage(fmt::format("pose of solid {}: not a rigid motion (a rotation and a shift)", solid));
   }
   // The rotation from the world's axes to the solid's, for the shader.

@@ -147,10 +147,6 @@ double Ellipse::semi_major() const {
   return (xx + yy) / 2 + std::hypot((xx - yy) / 2, xy);
 }
 
-double Ellipse::semi_minor() const {
-  return (xx * yy - xy * xy) / semi_major();
-}
-
 void PlaneMoments::add(const Vec2& p) {
   double x = 1;
   for (std::size_t i = 0; i < 5; ++i, x *= p.x) {

@@ -37,7 +37,6 @@ struct Ellipse {
   /// The parameter of the point that lies in the direction of `p` if the ellipse is squeezed to a circle. In [0, 2 pi).
   double parameter_of(const Vec2& p) const;
   double semi_major() const;
-  double semi_minor() const;
 };
 
 /// Sums of x^i y^j over points, i + j <= 4: all the data that a fit needs. The points should lie around the origin at

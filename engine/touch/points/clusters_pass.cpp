@@ -66,22 +66,22 @@ void ClustersPass::prepare(const Parameters& parameters) {
   }
 }
 
-std::vector<gpu::ScratchBuffer> ClustersPass::scratch(const Room& room) {
-  const std::uint64_t points = room.clustered();
-  const std::uint64_t slots = shader::table_slots(room.clustered());
+std::vector<gpu::ScratchBuffer> ClustersPass::scratch(const Capacity& capacity) {
+  const std::uint64_t points = capacity.clustered();
+  const std::uint64_t slots = shader::table_slots(capacity.clustered());
   std::vector<gpu::ScratchBuffer> of(scratch_count);
   of[nodes] = {"cluster nodes", 2 * points * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
   of[tiles] = {"cluster tiles", slots * sizeof(shader::uvec4), VK_FORMAT_R32G32B32A32_UINT};
   of[bases] = {"cluster bases", slots * 4, VK_FORMAT_R32_UINT};
   of[places] = {"cluster places", points * 4, VK_FORMAT_R32_UINT};
   of[list] = {"cluster blocks", points * 4, VK_FORMAT_R32_UINT};
-  of[links] = {"cluster links", std::uint64_t{8} * shader::links_room(room.clustered()), VK_FORMAT_R32G32_UINT};
+  of[links] = {"cluster links", std::uint64_t{8} * shader::links_room(capacity.clustered()), VK_FORMAT_R32G32_UINT};
   of[groups] = {"cluster groups", points * 4, VK_FORMAT_R32_UINT};
   of[crowded] = {"cluster crowded", points * sizeof(shader::CrowdedPair) * shader::clusters_crowded_per_contact};
   of[forest] = {"cluster forest", points * 4, VK_FORMAT_R32_UINT};
   of[work] = {"cluster work", sizeof(shader::ClustersWork)};
   of[inside_total] = {"inside total", sizeof(shader::ScanTotal)};
-  if (room.inside) {
+  if (capacity.inside) {
     of[inside_points] = {"points inside", points * sizeof(shader::ContactRecord), VK_FORMAT_R32G32B32A32_UINT};
   } else {
     of[inside_points] = {"points inside", 0};
@@ -89,11 +89,11 @@ std::vector<gpu::ScratchBuffer> ClustersPass::scratch(const Room& room) {
   return of;
 }
 
-void ClustersPass::record(VkCommandBuffer commands, const ClustersBindings& b, const gpu::Scratch& s, const Room& room,
-                          const Parameters& parameters, gpu::Timestamps* times) const {
+void ClustersPass::record(VkCommandBuffer commands, const ClustersBindings& b, const gpu::Scratch& s,
+                          const Capacity& capacity, const Parameters& parameters, gpu::Timestamps* times) const {
   const float gap = float_gap(parameters);
   const bool inside = parameters.cluster == Cluster::inside;
-  const shader::ClustersPush push{cells_per_metre(gap), gap * gap, room.clustered(), parameters.min_points};
+  const shader::ClustersPush push{cells_per_metre(gap), gap * gap, capacity.clustered(), parameters.min_points};
   Buffers given{b};
   given.nodes = s[nodes];
   given.tiles = s[tiles];
@@ -113,7 +113,7 @@ void ClustersPass::record(VkCommandBuffer commands, const ClustersBindings& b, c
   given.inside = s[inside_points];
   Buffers clustered = given;
   if (inside) {
-    const shader::GatherPush gather{room.contacts, room.deep, 0, 0};
+    const shader::GatherPush gather{capacity.contacts, capacity.deep, 0, 0};
     gather_.dispatch(commands, spirv::clusters_gather_buffers(given), gather, shader::contacts_most_groups / 2);
     gpu::compute_to_compute(commands);
     clustered.total = given.inside_total;

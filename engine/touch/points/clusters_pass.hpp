@@ -14,7 +14,7 @@
 #include "gpu/pipeline.hpp"
 #include "gpu/scratch.hpp"
 #include "gpu/timestamps.hpp"
-#include "touch/room.hpp"
+#include "touch/capacity.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
@@ -24,7 +24,8 @@ struct ClustersBindings {
   gpu::BufferRef solids;    ///< in: shader::SolidRecord[], with a view of R32G32B32A32_SFLOAT texels
   gpu::BufferRef total;     ///< in: shader::ScanTotal of the contacts
   gpu::BufferRef contacts;  ///< in: shader::ContactRecord[], with a view of R32G32B32A32_UINT texels
-  /// out: per clustered point (room.clustered()), a number that is unique to its cluster (not the same on every run)
+  /// out: per clustered point (capacity.clustered()), a number that is unique to its cluster (not the same on every
+  /// run)
   gpu::BufferRef parents;
   gpu::BufferRef clusters;  ///< out: shader::Cluster per clustered point, valid at a cluster's number
   gpu::BufferRef header;    ///< out: shader::TouchHeader
@@ -45,13 +46,13 @@ class ClustersPass {
   /// Makes the pipelines that record() uses for these parameters; existing pipelines are kept.
   void prepare(const Parameters& parameters);
 
-  static std::vector<gpu::ScratchBuffer> scratch(const Room& room);
+  static std::vector<gpu::ScratchBuffer> scratch(const Capacity& capacity);
 
   /// Barriers: total and contacts must be visible to compute and as indirect arguments. Adds the inner barriers itself;
   /// the caller adds compute_to_compute afterwards. The parameters must pass check_parameters(). With `times`, marks
   /// "cells", "links" and "clusters".
-  void record(VkCommandBuffer commands, const ClustersBindings& bindings, const gpu::Scratch& scratch, const Room& room,
-              const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
+  void record(VkCommandBuffer commands, const ClustersBindings& bindings, const gpu::Scratch& scratch,
+              const Capacity& capacity, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
   enum ScratchIndex : std::size_t {

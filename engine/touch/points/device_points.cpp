@@ -24,11 +24,11 @@ constexpr std::uint32_t first_read = 16'384;
 constexpr std::uint32_t most_passes = 16;
 
 /// Room for a frame with this many skin points. This is the only place that decides it.
-Room room_for(const StageSetting& setting, std::uint32_t points, std::uint32_t contacts) {
-  Room room{.points = std::max(points, 1U), .inside = setting.parameters.cluster == Cluster::inside};
-  room.contacts = std::clamp(setting.most_contacts != 0 ? setting.most_contacts : contacts, 1U, room.points);
-  room.deep = setting.parameters.wants_deep() ? room.contacts : 0;
-  return room;
+Capacity capacity_for(const StageSetting& setting, std::uint32_t points, std::uint32_t contacts) {
+  Capacity capacity{.points = std::max(points, 1U), .inside = setting.parameters.cluster == Cluster::inside};
+  capacity.contacts = std::clamp(setting.most_contacts != 0 ? setting.most_contacts : contacts, 1U, capacity.points);
+  capacity.deep = setting.parameters.wants_deep() ? capacity.contacts : 0;
+  return capacity;
 }
 
 std::uint32_t most_points(const StageSetting& setting) {
@@ -60,30 +60,30 @@ DevicePoints::DevicePoints(Passes& passes, const sensing::RayTables& tables, con
   passes.prepare(solids, tables, setting);
   read_times_.reserve(most_passes);
   if (tables.pixels != 0) {
-    make(room_for(setting, static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, most_points(setting))),
-                  usual_contacts));
+    make(capacity_for(setting, static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, most_points(setting))),
+                      usual_contacts));
   } else if (setting.most_points != 0) {
-    make(room_for(setting, setting.most_points, setting.most_points));
+    make(capacity_for(setting, setting.most_points, setting.most_points));
   }
 }
 
-void DevicePoints::make(const Room& room) {
+void DevicePoints::make(const Capacity& capacity) {
   const gpu::Device& device = passes_.device();
   const bool cameras = tables_.pixels != 0;
-  const std::uint64_t contacts = room.contacts, clustered = room.clustered(), deep = room.deep;
-  room_ = room;
+  const std::uint64_t contacts = capacity.contacts, clustered = capacity.clustered(), deep = capacity.deep;
+  capacity_ = capacity;
   if (cameras) {
     const std::size_t volumes = std::max<std::size_t>(sensing::most_drops(setting_.surroundings), 1);
     volumes_ = gpu::Upload(device, volumes * sizeof(shader::SkinVolume), "surroundings");
     dropped_ = gpu::Readback(device, shader::skin_kept * sizeof(std::uint32_t), "dropped points");
     depth_ = gpu::Upload(device, sensing::packed_bytes(tables_), "depth frames");
-    // One for every pixel, so that the total counts all points; finish() reports if it exceeds the room.
+    // One for every pixel, so that the total counts all points; finish() reports if it exceeds the capacity.
     seen_ = gpu::Buffer(device, tables_.pixels * sizeof(sensing::SkinPoint), "skin points");
     seen_total_ = gpu::Buffer(device, sizeof(shader::ScanTotal), "skin total");
     skin_scratch_ = gpu::Scratch(device, sensing::SkinPass::scratch(tables_), "skin");
     if (setting_.knows(cameras)) reach_ = gpu::Upload(device, sizeof(shader::ReachTable), "reaching fingers");
   } else {
-    points_ = gpu::Upload(device, std::uint64_t{room.points} * sizeof(sensing::SkinPoint), "skin points");
+    points_ = gpu::Upload(device, std::uint64_t{capacity.points} * sizeof(sensing::SkinPoint), "skin points");
     given_ = gpu::Upload(device, sizeof(shader::ScanTotal), "skin total");
   }
   // At least one, so that there is a texel to bind.
@@ -95,12 +95,12 @@ void DevicePoints::make(const Room& room) {
   contact_texels_ = gpu::TexelView(device, contacts_.ref(), VK_FORMAT_R32G32B32A32_UINT, "contacts");
   deep_ = gpu::Readback(device, deep * sizeof(shader::ContactRecord), "deep points");
   deep_total_ = gpu::Readback(device, sizeof(shader::ScanTotal), "deep total");
-  contacts_scratch_ = gpu::Scratch(device, ContactsPass::scratch(room), "contacts");
+  contacts_scratch_ = gpu::Scratch(device, ContactsPass::scratch(capacity), "contacts");
   parents_ = gpu::Readback(device, clustered * 4, "cluster parents");
   clusters_ = gpu::Buffer(device, clustered * sizeof(shader::Cluster), "clusters");
   header_ = gpu::Readback(device, sizeof(shader::TouchHeader), "touch header");
   selected_ = gpu::Readback(device, std::uint64_t{max_fingers} * sizeof(shader::ClusterRecord), "selected clusters");
-  clusters_scratch_ = gpu::Scratch(device, ClustersPass::scratch(room), "clusters");
+  clusters_scratch_ = gpu::Scratch(device, ClustersPass::scratch(capacity), "clusters");
 }
 
 void DevicePoints::set(std::span<const sensing::SkinPoint> points) {
@@ -110,12 +110,12 @@ void DevicePoints::set(std::span<const sensing::SkinPoint> points) {
   }
   const auto count = static_cast<std::uint32_t>(points.size());
   // Powers of two, so that a growing cloud needs new memory only occasionally.
-  if (count > room_.points || room_.points == 0) {
+  if (count > capacity_.points || capacity_.points == 0) {
     const std::uint32_t some = std::min(std::bit_ceil(std::max(count, least_points)), most);
-    make(room_for(setting_, some, some));
+    make(capacity_for(setting_, some, some));
   }
   if (!points.empty()) std::memcpy(points_.data(), points.data(), points.size_bytes());
-  const shader::ScanGroups cut = ContactsPass::groups(passes_.device(), room_, solids_);
+  const shader::ScanGroups cut = ContactsPass::groups(passes_.device(), capacity_, solids_);
   given_.as<shader::ScanTotal>()[0] = {count, shader::scan_groups_of(count, cut), 1, 1};
 }
 
@@ -144,7 +144,7 @@ void DevicePoints::record_skin(VkCommandBuffer commands, const Skin& skin) {
                         .limits = limits_.ref(),
                         .dropped = dropped_.ref()},
                        skin_scratch_, tables_, skin.box, skin.crops,
-                       ContactsPass::groups(passes_.device(), room_, solids_), &times_, skin.volumes.size());
+                       ContactsPass::groups(passes_.device(), capacity_, solids_), &times_, skin.volumes.size());
   gpu::compute_to_compute(commands);
 }
 
@@ -181,7 +181,7 @@ void DevicePoints::record(VkCommandBuffer commands, const Skin& skin) {
                             .deep_total = deep_total_.ref(),
                             .deep = deep_.ref(),
                             .reach = reaches ? reach_.ref() : gpu::BufferRef{}},
-                           contacts_scratch_, room_, solids_, skin.parameters, &times_,
+                           contacts_scratch_, capacity_, solids_, skin.parameters, &times_,
                            reaches ? skin.reach.elapsed_us : shader::reach_none);
   gpu::compute_to_compute(commands);
   passes_.clusters_.record(commands,
@@ -195,19 +195,19 @@ void DevicePoints::record(VkCommandBuffer commands, const Skin& skin) {
                             .selected = selected_.ref(),
                             .deep_total = deep_total_.ref(),
                             .deep = deep_.ref()},
-                           clusters_scratch_, room_, skin.clustering, &times_);
+                           clusters_scratch_, capacity_, skin.clustering, &times_);
   record_readback(commands);
 }
 
 void DevicePoints::record_readback(VkCommandBuffer commands) const {
-  const std::uint64_t first = std::min(first_read, room_.contacts);
+  const std::uint64_t first = std::min(first_read, capacity_.contacts);
   contacts_.record(commands, first * sizeof(shader::ContactRecord));
   parents_.record(commands, first * sizeof(std::uint32_t));
   if (tables_.pixels != 0) dropped_.record(commands);
   header_.record(commands);
   selected_.record(commands);
   if (!setting_.parameters.wants_deep()) return;
-  deep_.record(commands, std::min<std::uint64_t>(first_read, room_.deep) * sizeof(shader::ContactRecord));
+  deep_.record(commands, std::min<std::uint64_t>(first_read, capacity_.deep) * sizeof(shader::ContactRecord));
   deep_total_.record(commands);
 }
 
@@ -215,21 +215,21 @@ std::uint32_t DevicePoints::deep_count() const {
   return setting_.parameters.wants_deep() ? deep_total_.as<shader::ScanTotal>()[0].total : 0;
 }
 
-void DevicePoints::check_room() const {
+void DevicePoints::check_capacity() const {
   const shader::TouchHeader& header = header_.as<shader::TouchHeader>()[0];
-  if (header.points > room_.points) {
+  if (header.points > capacity_.points) {
     throw TooMuchSkin(
         fmt::format("{} skin points in one frame: there is room for {}; narrow the region that the cameras watch",
-                    header.points, room_.points));
+                    header.points, capacity_.points));
   }
-  if (header.contacts > room_.contacts) {
+  if (header.contacts > capacity_.contacts) {
     throw TooMuchSkin(
         fmt::format("{} contacts in one frame: there is room for {}; give a smaller delta or fewer points",
-                    header.contacts, room_.contacts));
+                    header.contacts, capacity_.contacts));
   }
-  if (deep_count() > room_.deep) {
+  if (deep_count() > capacity_.deep) {
     throw TooMuchSkin(fmt::format("{} deep points in one frame: there is room for {}; touch less of the solid",
-                                  deep_count(), room_.deep));
+                                  deep_count(), capacity_.deep));
   }
 }
 
@@ -250,7 +250,7 @@ void DevicePoints::finish(Touch& out, std::vector<gpu::PassTime>& times) {
   timeline_.wait(submitted_);
   times_.read(read_times_);
   times.insert(times.end(), read_times_.begin(), read_times_.end());
-  check_room();
+  check_capacity();
   read_rest();
   const shader::TouchHeader& header = header_.as<shader::TouchHeader>()[0];
   out.dropped = {};

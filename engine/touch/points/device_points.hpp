@@ -16,10 +16,10 @@
 #include "gpu/scratch.hpp"
 #include "gpu/texel_view.hpp"
 #include "gpu/timestamps.hpp"
+#include "touch/capacity.hpp"
 #include "touch/contacts/solids_memory.hpp"
 #include "touch/points/passes.hpp"
 #include "touch/points/points.hpp"
-#include "touch/room.hpp"
 #include "touch/stage_setting.hpp"
 
 namespace palpa::touch {
@@ -43,16 +43,16 @@ class DevicePoints : public Points {
   /// points than there is room for.
   void finish(Touch& out, std::vector<gpu::PassTime>& times) override;
 
-  const Room& room() const { return room_; }
+  const Capacity& capacity() const { return capacity_; }
 
  private:
-  void make(const Room& room);
+  void make(const Capacity& capacity);
   void set(std::span<const sensing::SkinPoint> points);
   void record(VkCommandBuffer commands, const Skin& skin);
   void record_skin(VkCommandBuffer commands, const Skin& skin);
   void record_readback(VkCommandBuffer commands) const;
   std::uint32_t deep_count() const;
-  void check_room() const;
+  void check_capacity() const;
   void read_rest();
 
   const Passes& passes_;
@@ -62,7 +62,7 @@ class DevicePoints : public Points {
   gpu::Buffer rays_, limits_;
   SolidsMemory solids_memory_;
 
-  Room room_;
+  Capacity capacity_;
   gpu::Upload depth_;           // depth frames
   gpu::Upload points_, given_;  // or points, and their total
   gpu::Upload volumes_;

@@ -63,10 +63,10 @@ void begin(Place places[most], vec2 by[most], uint base) {
   [[unroll]] for (uint e = 0u; e < pairs; ++e) like[e] = vec2(0.0);
   for (uint n = thread; n < push.transducers; n += solve_phases_group) {
     vec2 gives[most];
-    const vec2 does = unturned_of(n, places, by, gives);
+    const vec2 drive = unturned_of(n, places, by, gives);
     drives[base + n] = DriveOut(0.0, 0.0);
     [[unroll]] for (uint j = 0u; j < most; ++j) {
-      gives[j] = times(gives[j], does);
+      gives[j] = times(gives[j], drive);
       sum[j] += gives[j];
       [[unroll]] for (uint k = 0u; k <= j; ++k) {
         const uint e = j * (j + 1u) / 2u + k;
@@ -96,10 +96,10 @@ void walk(Place places[most], vec2 by[most], uint base, bool kept) {
     const vec2 unturned = unturned_of(n, places, by, gives);
     vec2 pulled = vec2(0.0);
     [[unroll]] for (uint j = 0u; j < most; ++j) pulled += times(pulls[j], gives[j]);
-    const vec2 does = times(unturned, unit_of_turns(held));
-    const float turned = -(pulled.x * does.y + pulled.y * does.x) * 0.15915494;
+    const vec2 drive = times(unturned, unit_of_turns(held));
+    const float turned = -(pulled.x * drive.y + pulled.y * drive.x) * 0.15915494;
     drives[base + n] = DriveOut(held, held + turned);
-    const vec2 then = times(does, unit_of_turns(turned));
+    const vec2 then = times(drive, unit_of_turns(turned));
     [[unroll]] for (uint j = 0u; j < most; ++j) {
       gives[j] = times(gives[j], then);
       sum[j] += gives[j];

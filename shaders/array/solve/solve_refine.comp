@@ -34,8 +34,8 @@ void drive_all(uint base, uint first, uint count) {
     [[unroll]] for (uint k = 0u; k < each; ++k) {
       const uint n = begin + k * solve_group;
       if (n >= push.transducers) continue;
-      const vec2 does = bounded(sum[k]);
-      drives[base + n] = DriveOut(does.x, does.y);
+      const vec2 drive = bounded(sum[k]);
+      drives[base + n] = DriveOut(drive.x, drive.y);
     }
   }
 }
@@ -50,10 +50,10 @@ void hear_tile(uint base, uint first, uint begin, uint count) {
   }
   for (uint n = thread; n < push.transducers; n += solve_group) {
     const Source source = source_of(n);
-    const vec2 does = vec2(drives[base + n].amplitude, drives[base + n].phase);
+    const vec2 drive = vec2(drives[base + n].amplitude, drives[base + n].phase);
     [[unroll]] for (uint i = 0u; i < tile; ++i) {
       const Pair pair = pair_of(source, places[i]);
-      sum[i] += times(does, pair.unit * pair.loud);
+      sum[i] += times(drive, pair.unit * pair.loud);
     }
   }
   [[unroll]] for (uint i = 0u; i < tile; ++i) partial[i * solve_group + thread] = sum[i];

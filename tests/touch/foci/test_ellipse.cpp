@@ -99,7 +99,7 @@ TEST(FitEllipse, WhateverComesIsAFiniteEllipse) {
     }
     const auto fitted = fit_ellipse(moments_of(points));
     if (!fitted) continue;
-    EXPECT_TRUE(std::isfinite(fitted->semi_major()) && fitted->semi_minor() > 0) << i;
+    EXPECT_TRUE(std::isfinite(fitted->semi_major()) && fitted->semi_major() > 0) << i;
     EXPECT_GT(fitted->xx * fitted->yy - fitted->xy * fitted->xy, 0) << i;
   }
 }

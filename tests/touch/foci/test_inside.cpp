@@ -90,12 +90,12 @@ TEST(InsideOnDevice, SaysWhenThereIsNoRoom) {
 TEST(InsideOnDevice, AStageForItHasRoomForDeepPoints) {
   const PreparedSolids solids = prepare_solids({cube()}, inside());
   const sensing::RayTables no_rays = sensing::make_rays({});
-  const Room room =
+  const Capacity capacity =
       DevicePoints(test_passes(), no_rays, solids, {.parameters = inside(), .most_points = 100, .most_contacts = 60})
-          .room();
-  EXPECT_EQ(room.contacts, 60u);
-  EXPECT_EQ(room.deep, 60u);
-  EXPECT_EQ(room.clustered(), 100u);
+          .capacity();
+  EXPECT_EQ(capacity.contacts, 60u);
+  EXPECT_EQ(capacity.deep, 60u);
+  EXPECT_EQ(capacity.clustered(), 100u);
 }
 
 }  // namespace

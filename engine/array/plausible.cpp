@@ -1,4 +1,4 @@
-#include "array/usual.hpp"
+#include "array/plausible.hpp"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 
 namespace palpa::array {
 
-std::string unusual_place(const Layout& layout, const Box& box) {
+std::string implausible_place(const Layout& layout, const Box& box) {
   bool before = false;
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& [position, axis] : layout.transducers) {
@@ -19,12 +19,12 @@ std::string unusual_place(const Layout& layout, const Box& box) {
     nearest = std::min(nearest, glm::distance(position, glm::clamp(position, box.low, box.high)));
   }
   if (!before) return "lies behind the array, where no transducer points";
-  if (nearest <= most_usual_distance_m) return {};
+  if (nearest <= most_plausible_distance_m) return {};
   return fmt::format("lies {:.3g} m from the nearest transducer; beyond {} m, hardly anything is left of a focus",
-                     nearest, most_usual_distance_m);
+                     nearest, most_plausible_distance_m);
 }
 
-std::string unusual_frequency(const Layout& layout, double hz) {
+std::string implausible_frequency(const Layout& layout, double hz) {
   if (std::abs(hz - layout.frequency_hz) <= layout.frequency_hz / 2) return {};
   return fmt::format("{:.4g} kHz is far from the {:.4g} kHz that the transducers of {} are made for", hz / 1e3,
                      layout.frequency_hz / 1e3, layout.name);

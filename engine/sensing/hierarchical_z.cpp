@@ -1,4 +1,4 @@
-#include "sensing/crowd.hpp"
+#include "sensing/hierarchical_z.hpp"
 
 #include <algorithm>
 #include <array>
@@ -31,10 +31,10 @@ double most_along(const Vec3& edge, const RayBounds& rays) {
   return along(edge, edge.x > 0 ? rays.high.x : rays.low.x, edge.y > 0 ? rays.high.y : rays.low.y);
 }
 
-class Crowd {
+class HierarchicalZ {
  public:
-  Crowd(const CameraTable& table, const glm::vec2* rays, std::span<const CrowdTriangle> triangles,
-        std::span<float> depth, std::span<float> slant)
+  HierarchicalZ(const CameraTable& table, const glm::vec2* rays, std::span<const PlacedTriangle> triangles,
+                std::span<float> depth, std::span<float> slant)
       : table_(table),
         rays_(rays),
         triangles_(triangles),
@@ -107,7 +107,7 @@ class Crowd {
   }
 
   void draw(std::uint32_t index, std::uint64_t& looks) {
-    const CrowdTriangle& t = triangles_[index];
+    const PlacedTriangle& t = triangles_[index];
     const std::uint32_t x0 = t.box.x0 / tile_pixels, x1 = (t.box.x1 + tile_pixels - 1) / tile_pixels;
     const std::uint32_t y0 = t.box.y0 / tile_pixels, y1 = (t.box.y1 + tile_pixels - 1) / tile_pixels;
     for (std::uint32_t by = y0 / tiles_per_block; by * tiles_per_block < y1; ++by) {
@@ -136,7 +136,7 @@ class Crowd {
 
   /// Draws the triangle in a tile; returns whether the tile's farthest depth became nearer.
   bool draw_tile(std::uint32_t index, std::uint32_t tx, std::uint32_t ty, std::uint64_t& looks) {
-    const CrowdTriangle& t = triangles_[index];
+    const PlacedTriangle& t = triangles_[index];
     Region& tile = tiles_[std::size_t{ty} * table_.tiles_x + tx];
     if (tile.rays.low.x > t.high.x || tile.rays.high.x < t.low.x || tile.rays.low.y > t.high.y ||
         tile.rays.high.y < t.low.y || hides(tile, t.edges))
@@ -182,7 +182,7 @@ class Crowd {
 
   const CameraTable& table_;
   const glm::vec2* rays_;
-  std::span<const CrowdTriangle> triangles_;
+  std::span<const PlacedTriangle> triangles_;
   std::span<float> depth_, slant_;
   std::vector<Seen> seen_;
   std::uint32_t blocks_x_;
@@ -191,9 +191,9 @@ class Crowd {
 
 }  // namespace
 
-bool draw_crowd(const CameraTable& table, const glm::vec2* rays, std::span<const CrowdTriangle> triangles,
-                std::span<float> depth, std::span<float> slant, std::uint64_t most, std::uint64_t& looks) {
-  return triangles.empty() || Crowd(table, rays, triangles, depth, slant).draw(most, looks);
+bool draw_hierarchical_z(const CameraTable& table, const glm::vec2* rays, std::span<const PlacedTriangle> triangles,
+                         std::span<float> depth, std::span<float> slant, std::uint64_t most, std::uint64_t& looks) {
+  return triangles.empty() || HierarchicalZ(table, rays, triangles, depth, slant).draw(most, looks);
 }
 
 }  // namespace palpa::sensing

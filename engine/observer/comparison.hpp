@@ -35,11 +35,11 @@ struct ObservedTable {
   study::Confusion table;
 };
 
-struct Beside {
+struct Comparison {
   std::vector<ObservedMethod> methods;
   std::vector<std::string> left_out;  ///< a line for each table that belongs to no method or has other shapes
 };
 
-Beside beside(const Prediction& prediction, const std::vector<ObservedTable>& observed);
+Comparison compare(const Prediction& prediction, const std::vector<ObservedTable>& observed);
 
 }  // namespace palpa::observer

@@ -1,4 +1,4 @@
-#include "array/reach.hpp"
+#include "array/farthest.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ void add_extremes(const Board& board, std::span<const Transducer> transducers, s
 
 }  // namespace
 
-Reach::Reach(const Layout& layout) {
+FarthestTransducer::FarthestTransducer(const Layout& layout) {
   const std::span<const Transducer> all(layout.transducers);
   std::size_t next = 0;
   for (const Board& board : layout.boards) {
@@ -44,10 +44,10 @@ Reach::Reach(const Layout& layout) {
     candidates_.push_back(all[next].position);
 }
 
-double Reach::farthest(const Vec3& from) const {
+double FarthestTransducer::distance_from(const Vec3& place) const {
   double most = 0;
   for (const Vec3& candidate : candidates_) {
-    const Vec3 way = candidate - from;
+    const Vec3 way = candidate - place;
     most = std::max(most, glm::dot(way, way));
   }
   return std::sqrt(most);

@@ -16,13 +16,12 @@ function(palpa_common_headers TARGET)
   target_precompile_headers(${TARGET} PRIVATE ${PALPA_COMMON_HEADERS} ${COMMON_HEADERS})
 endfunction()
 
-# palpa_room(NAME SOURCES ... [SHADERS ...] [PUBLIC ...] [PRIVATE ...] [HEADERS ...]): one room of the engine as a
-# static library palpa::NAME. PUBLIC and PRIVATE are the rooms and libraries that it may use, besides fmt. Dependencies
-# point downward only.
-function(palpa_room NAME)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;SHADERS;PUBLIC;PRIVATE" ${ARGN})
+# palpa_library(NAME SOURCES ... [SHADERS ...] [PUBLIC ...] [PRIVATE ...]): a folder of the engine as a static library
+# palpa::NAME. PUBLIC and PRIVATE are the libraries that it may use, besides fmt. Dependencies point downward only.
+function(palpa_library NAME)
+  cmake_parse_arguments(LIBRARY "" "" "SOURCES;SHADERS;PUBLIC;PRIVATE" ${ARGN})
   set(target palpa_${NAME})
-  add_library(${target} STATIC ${ROOM_SOURCES})
+  add_library(${target} STATIC ${LIBRARY_SOURCES})
   add_library(palpa::${NAME} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${NAME} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
@@ -30,12 +29,12 @@ function(palpa_room NAME)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/engine>
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/palpa>)
-  target_link_libraries(${target} PUBLIC ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE} fmt::fmt $<BUILD_INTERFACE:palpa_options>)
+  target_link_libraries(${target} PUBLIC ${LIBRARY_PUBLIC} PRIVATE ${LIBRARY_PRIVATE} fmt::fmt $<BUILD_INTERFACE:palpa_options>)
   target_precompile_headers(${target} REUSE_FROM palpa_headers)
-  if(ROOM_SHADERS)
-    palpa_shaders(${target} ${ROOM_SHADERS})
+  if(LIBRARY_SHADERS)
+    palpa_shaders(${target} ${LIBRARY_SHADERS})
   endif()
-  set_property(GLOBAL APPEND PROPERTY PALPA_ROOMS ${target})
+  set_property(GLOBAL APPEND PROPERTY PALPA_OWN_LIBRARIES ${target})
 endfunction()
 
 # palpa_test_headers(TARGET): the tests' common headers. PALPA_TEST_HEADERS names the target that matches the flags of a
@@ -62,7 +61,7 @@ endfunction()
 # [LIVE] [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER. ctest
 # runs it once for each topic, with only the tests of the topic's sources (tests/support/main.cpp). Building NAME builds
 # that program. ALONE: the topic has its own program. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of
-# any room that it links. COST is the approximate time of long tests in seconds. ctest starts these first; after a first
+# any library that it links. COST is the approximate time of long tests in seconds. ctest starts these first; after a first
 # run, it knows the times itself. WAITS: the test mostly waits for clocks and for programs that wait; two such tests run
 # in the place of one that computes. LIVE: its outcome depends on how fast the machine is, because it needs real
 # processes, clocks, terminals or windows; it gets the label live, and only ./dev test live runs it. NEEDS: additional targets that must be built.

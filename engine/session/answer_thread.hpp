@@ -22,14 +22,15 @@ namespace palpa::session {
 /// empty, it is the error message and the answer has no other content. The thread and the threads that it starts yield
 /// to all others (threads.hpp).
 template <typename Question, typename Answer>
-class Beside {
+class AnswerThread {
  public:
   /// Called on the separate thread. It may throw GivenUp soon after `give_up` became true.
   using Work = std::function<Answer(const Question&, const std::atomic<bool>& give_up)>;
 
-  explicit Beside(Work work) : work_(std::move(work)), thread_(start_thread("a preview", [this] { go_round(); })) {}
+  explicit AnswerThread(Work work)
+      : work_(std::move(work)), thread_(start_thread("a preview", [this] { answer_all(); })) {}
   /// Ends the thread. If an answer is being computed, waits until it gives up.
-  ~Beside() {
+  ~AnswerThread() {
     {
       const std::lock_guard lock(mutex_);
       ends_ = true;
@@ -37,8 +38,8 @@ class Beside {
     wake_.notify_one();
     thread_.join();
   }
-  Beside(const Beside&) = delete;
-  Beside& operator=(const Beside&) = delete;
+  AnswerThread(const AnswerThread&) = delete;
+  AnswerThread& operator=(const AnswerThread&) = delete;
 
   /// Replaces a waiting question. Never blocks. Returns the question's number: 1, 2, ...
   std::uint64_t ask(Question question) {
@@ -63,7 +64,7 @@ class Beside {
   }
 
  private:
-  void go_round() {
+  void answer_all() {
     take_no_signals();
     give_way();
     std::unique_lock lock(mutex_);

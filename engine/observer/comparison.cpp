@@ -1,4 +1,4 @@
-#include "observer/beside.hpp"
+#include "observer/comparison.hpp"
 
 #include <fmt/format.h>
 
@@ -103,8 +103,8 @@ std::optional<Confusion> in_order(const Confusion& table, const std::vector<std:
 
 }  // namespace
 
-Beside beside(const Prediction& prediction, const std::vector<ObservedTable>& observed) {
-  Beside out;
+Comparison compare(const Prediction& prediction, const std::vector<ObservedTable>& observed) {
+  Comparison out;
   for (const ObservedTable& one : observed) {
     const auto method = std::ranges::find(prediction.methods, one.method);
     std::optional<Confusion> table = in_order(one.table, prediction.shapes);

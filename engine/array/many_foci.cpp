@@ -1,4 +1,4 @@
-#include "array/crowd.hpp"
+#include "array/many_foci.hpp"
 
 #include <algorithm>
 #include <cmath>

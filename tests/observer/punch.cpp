@@ -1,11 +1,36 @@
-#include "observer/afferents/punch.hpp"
+#include "punch.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "observer/afferents/half_space.hpp"
 
 namespace palpa::observer {
+namespace {
+
+/// The vertical stress at depth z and distance r from the axis of a flat punch of radius a with a force of 1 N (Sneddon
+/// 1946).
+double stress_of_punch(double a, double z, double r) {
+  const double xi = z / a, rho = r / a, middle = rho * rho + xi * xi - 1;
+  const double root = std::sqrt(middle * middle + 4 * xi * xi);
+  const double phi = std::atan2(2 * xi, middle), theta = std::atan(1 / xi);
+  return (std::sin(phi / 2) / std::sqrt(root) +
+          xi * std::sqrt(1 + xi * xi) * std::sin(1.5 * phi - theta) / (root * std::sqrt(root))) /
+         (2 * std::numbers::pi * a * a);
+}
+
+/// The surface's deflection at distance r from such a punch, relative to that under it.
+double reach_of_punch(double a, double r) {
+  return r <= a ? 1 : 2 / std::numbers::pi * std::asin(a / r);
+}
+
+/// The force of a punch that is pressed in by 1 mm, N.
+double force_of_punch(double a) {
+  return 2 * a * skin_stiffness;
+}
+
+}  // namespace
 
 SkinMotion under_punch(std::span<const double> indentation_mm, double radius_mm, double distance_mm) {
   const std::size_t samples = indentation_mm.size();

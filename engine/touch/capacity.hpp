@@ -7,7 +7,7 @@ namespace palpa::touch {
 
 /// Anything beyond this capacity is left out; the passes' totals report it. DevicePoints sets the capacity
 /// (points/device_points.hpp).
-struct Room {
+struct Capacity {
   std::uint32_t points = 0;    ///< skin points, at most shader::contacts_most_points
   std::uint32_t contacts = 0;  ///< at most `points`
   std::uint32_t deep = 0;      ///< deep points, at most `points`; 0 if they are not requested

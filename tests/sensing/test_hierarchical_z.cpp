@@ -1,6 +1,6 @@
 // Meshes with many triangles behind each other: drawn from near to far, they give the same bytes as one triangle after
 // the other, with far fewer rays. If this does not help, they are rejected.
-#include "sensing/crowd.hpp"
+#include "sensing/hierarchical_z.hpp"
 
 #include <gtest/gtest.h>
 
@@ -29,9 +29,9 @@ struct Layer {
 };
 
 /// One triangle after the other, with every ray tested against each.
-void draw_in_order(const CameraTable& table, const glm::vec2* rays, std::span<const CrowdTriangle> triangles,
+void draw_in_order(const CameraTable& table, const glm::vec2* rays, std::span<const PlacedTriangle> triangles,
                    Layer& layer) {
-  for (const CrowdTriangle& t : triangles) {
+  for (const PlacedTriangle& t : triangles) {
     for (std::uint32_t v = 0; v < table.height; ++v) {
       for (std::uint32_t u = 0; u < table.width; ++u) {
         const glm::vec2 ray = rays[std::size_t{v} * table.pitch + u];
@@ -47,12 +47,12 @@ void draw_in_order(const CameraTable& table, const glm::vec2* rays, std::span<co
 
 /// Triangles in the camera's coordinates: in front of it, through its image plane, on top of each other, thin as a
 /// hair.
-std::vector<CrowdTriangle> soup(std::mt19937_64& random, const CameraTable& table) {
+std::vector<PlacedTriangle> soup(std::mt19937_64& random, const CameraTable& table) {
   std::normal_distribution<double> normal;
   const auto near = [&](const Vec3& at, double size) {
     return at + size * Vec3(normal(random), normal(random), normal(random));
   };
-  std::vector<CrowdTriangle> triangles;
+  std::vector<PlacedTriangle> triangles;
   const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
     const TriangleEdges edges(a, b, c);
     if (!edges.visible()) return;
@@ -71,23 +71,23 @@ std::vector<CrowdTriangle> soup(std::mt19937_64& random, const CameraTable& tabl
   return triangles;
 }
 
-TEST(Crowd, IsDrawnAsOneTriangleAfterTheOther) {
+TEST(HierarchicalZ, IsDrawnAsOneTriangleAfterTheOther) {
   std::mt19937_64 random(3);
   for (int round = 0; round < 12; ++round) {
     const Camera camera = test::random_camera(random);
     const RayTables tables = make_rays(std::span(&camera, 1));
     const CameraTable& table = tables.cameras[0];
-    const std::vector<CrowdTriangle> triangles = soup(random, table);
-    Layer one_by_one(pixel_count(camera)), crowd(pixel_count(camera));
+    const std::vector<PlacedTriangle> triangles = soup(random, table);
+    Layer one_by_one(pixel_count(camera)), hierarchical(pixel_count(camera));
     // Some triangles are drawn before, like objects that never move.
     draw_in_order(table, tables.rays.data(), std::span(triangles).first(30), one_by_one);
-    crowd = one_by_one;
+    hierarchical = one_by_one;
     draw_in_order(table, tables.rays.data(), std::span(triangles).subspan(30), one_by_one);
     std::uint64_t looks = 0;
-    ASSERT_TRUE(draw_crowd(table, tables.rays.data(), std::span(triangles).subspan(30), crowd.depth, crowd.slant,
-                           ~std::uint64_t{0}, looks));
-    EXPECT_EQ(crowd.depth, one_by_one.depth) << round;
-    EXPECT_EQ(crowd.slant, one_by_one.slant) << round;
+    ASSERT_TRUE(draw_hierarchical_z(table, tables.rays.data(), std::span(triangles).subspan(30), hierarchical.depth,
+                                    hierarchical.slant, ~std::uint64_t{0}, looks));
+    EXPECT_EQ(hierarchical.depth, one_by_one.depth) << round;
+    EXPECT_EQ(hierarchical.slant, one_by_one.slant) << round;
     EXPECT_LT(looks, triangles.size() * pixel_count(camera) / 2);
   }
 }
@@ -107,7 +107,7 @@ FrameSet rendered(const Camera& camera, std::span<const Posed> skin) {
   return set;
 }
 
-TEST(Crowd, ManyThingsWithinEachOtherGiveTheSamePictureWholeAndInPieces) {
+TEST(HierarchicalZ, ManyThingsWithinEachOtherGiveTheSamePictureWholeAndInPieces) {
   const Mesh whole = nested(200);
   Camera straight = test::d415(test::look_at(Vec3(0.3, 0.2, 0.35), Vec3(0)));
   Camera bent = straight;
@@ -127,7 +127,7 @@ TEST(Crowd, ManyThingsWithinEachOtherGiveTheSamePictureWholeAndInPieces) {
   }
 }
 
-TEST(Crowd, AMeshWithTooManyLayersIsRefused) {
+TEST(HierarchicalZ, AMeshWithTooManyLayersIsRefused) {
   Mesh sheets;
   for (int i = 0; i < 2000; ++i) {
     const auto first = static_cast<std::uint32_t>(sheets.positions.size());

@@ -11,13 +11,13 @@ namespace palpa::array {
 
 /// In metres. Beyond this, air has absorbed most of a 40 kHz sound, and an array of the size of hands no longer
 /// focuses.
-inline constexpr double most_usual_distance_m = 2;
+inline constexpr double most_plausible_distance_m = 2;
 
 /// Why no focus in the box (a point is also a box) is useful, as the end of a sentence about it: "lies behind the
 /// array, ...". Empty if there is no reason: some of the box is in front of a transducer and near enough to one.
-std::string unusual_place(const Layout& layout, const Box& box);
+std::string implausible_place(const Layout& layout, const Box& box);
 
 /// Why the frequency does not suit the layout; empty within half of Layout::frequency_hz.
-std::string unusual_frequency(const Layout& layout, double hz);
+std::string implausible_frequency(const Layout& layout, double hz);
 
 }  // namespace palpa::array
