@@ -78,7 +78,7 @@ TEST(Levels, NoFingerJumpsWhereAnotherCrossesTheBorderOfWhatCanBeReached) {
   }
 }
 
-TEST(Crowd, AFingerThatIsTooLoudIsLoweredAsAWhole) {
+TEST(ManyFoci, AFingerThatIsTooLoudIsLoweredAsAWhole) {
   using Complex = std::complex<double>;
   const Layout layout = load_layout("openmpd");
   FreeField field;
