@@ -201,7 +201,7 @@ TEST(Extras, AClickNeedsAPressDepthAndMayBeTurnedOff) {
   const int quiet = builder.add_node({{"mesh", 0}, {"extras", {{"palpa_click", false}}}}, false);
   const int heir = builder.add_node({{"mesh", 0}}, false);
   builder.add_node({{"children", {quiet, heir}}, {"extras", {{"palpa_click", true}, {"palpa_press_depth_m", 0.002}}}});
-  const Scene scene = load_extras(builder);
+  const Scene scene = load(builder);
   EXPECT_FALSE(scene.meshes.at(0).haptics.clicks());
   EXPECT_TRUE(scene.meshes.at(1).haptics.clicks());
 }
