@@ -48,7 +48,7 @@ void SceneReload::take(session::Session& running) {
   const std::lock_guard lock(mutex_);  // nobody holds it for longer than a move
   running.exchange_scene(*next_);
   ready_ = false;
-  ++stats_.taken;
+  ++taken_;
 }
 
 void SceneReload::stop() {
@@ -63,11 +63,11 @@ void SceneReload::stop() {
 
 session::ReloadStats SceneReload::end() {
   stop();
-  if (stats_.refused > 1) {
+  if (refused_ > 1) {
     log::warning(fmt::format("--reload: {}: {} times, the scene could not be used, and the one before went on", file_,
-                             stats_.refused));
+                             refused()));
   }
-  return stats_;
+  return {.taken = taken_, .refused = refused_};
 }
 
 void SceneReload::work() {
@@ -90,7 +90,7 @@ void SceneReload::work() {
     } catch (const std::exception& error) {
       if (ends_) return;
       if (look_at_scene(file_) != now) continue;  // it is being written, and will be read again
-      if (stats_.refused++ == 0)
+      if (refused_++ == 0)
         log::warning(
             fmt::format("--reload: the scene before goes on: {}; further such scenes are only counted", error.what()));
     }

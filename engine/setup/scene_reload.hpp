@@ -36,6 +36,8 @@ class SceneReload {
   bool ready() const { return ready_; }
   /// Exchanges the scene that runs.
   void take(session::Session& running);
+  /// How many scenes could not be used so far.
+  std::uint64_t refused() const { return refused_; }
 
   /// No scene comes any more. If several could not be used, logs how many. The scene of the beginning stays until this
   /// object ends: the link has values of it.
@@ -55,7 +57,8 @@ class SceneReload {
   std::condition_variable wake_;
   std::unique_ptr<session::Session> next_;   ///< one that waits, or after take() the one before
   std::unique_ptr<session::Session> first_;  ///< the thread's: the scene of the beginning
-  session::ReloadStats stats_;               ///< `taken` is the loop's, `refused` the thread's
+  std::uint64_t taken_ = 0;                  ///< the loop's
+  std::atomic<std::uint64_t> refused_{0};
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
