@@ -5,7 +5,7 @@
 #include "driver/bench.hpp"
 #include "driver/doctor.hpp"
 #include "driver/emulate/command.hpp"
-#include "driver/guard/board_link.hpp"
+#include "driver/links.hpp"
 #include "driver/sources.hpp"
 
 namespace {
@@ -21,7 +21,7 @@ namespace {
 int main(int argc, char** argv) {
   return palpa::cli::main(argc, argv,
                           {.doctor = palpa::driver::doctor_probes(),
-                           .links = palpa::driver::board_links(),
+                           .links = palpa::driver::links(),
                            .sources = palpa::driver::camera_sources(),
                            .commands = {palpa::driver::emulate::add_emulate},
                            .cameras = palpa::driver::cameras_there,

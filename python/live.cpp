@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "base/outputs.hpp"
 #include "base/start_thread.hpp"
-#include "driver/guard/board_link.hpp"
+#include "driver/links.hpp"
 #include "driver/sources.hpp"
 #include "module.hpp"
 #include "placed.hpp"
@@ -183,7 +183,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
 
 void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
-  const std::vector<session::LinkKind> links = setup::with_builtin(driver::board_links());
+  const std::vector<session::LinkKind> links = setup::with_builtin(driver::links());
   const Outputs outputs(setup::outputs_of(options, links));
   refuse_output_as_input(o.scene->source);  // it was read when the Scene was made
   if (o.from_points()) {

@@ -1,7 +1,7 @@
 // palpa-viewer: shows what palpa computes, in a window or without one.
 #include <dlfcn.h>
 
-#include "driver/guard/board_link.hpp"
+#include "driver/links.hpp"
 #include "driver/sources.hpp"
 #include "setup/program.hpp"
 #include "viewer/run/command.hpp"
@@ -18,7 +18,7 @@ namespace {
 #endif
 
 void parse_and_run(int argc, char** argv) {
-  const LiveSession::Kinds kinds{.sources = driver::camera_sources(), .links = driver::board_links()};
+  const LiveSession::Kinds kinds{.sources = driver::camera_sources(), .links = driver::links()};
   if (asks_for_study(argc, argv)) {
     if (const std::optional<setup::StudyRunOptions> study = read_study_line(argc, argv)) run_study(*study, kinds);
     return;

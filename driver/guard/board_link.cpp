@@ -227,11 +227,4 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
           kind.least_moving_slot_s};
 }
 
-std::vector<session::LinkKind> board_links() {
-  std::vector<session::LinkKind> links;
-  for (const BoardKind& kind : board_kinds())
-    links.push_back(board_link(kind));
-  return links;
-}
-
 }  // namespace palpa::driver

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "driver/board.hpp"
 #include "session/links/link.hpp"
@@ -18,8 +17,5 @@ namespace palpa::driver {
 /// which only silences the board; the line says whether it could. finish() waits up to 1 s for the guard's exit, and
 /// throws failure() if it is not known whether the last silence has reached the board.
 session::LinkKind board_link(const BoardKind& kind, const std::string& program = {});
-
-/// The link kinds of all boards.
-std::vector<session::LinkKind> board_links();
 
 }  // namespace palpa::driver

@@ -17,7 +17,7 @@
 #include "cli/commands.hpp"
 #include "driver/doctor.hpp"
 #include "driver/emulate/command.hpp"
-#include "driver/guard/board_link.hpp"
+#include "driver/links.hpp"
 #include "driver/sources.hpp"
 #include "setup/options.hpp"
 
@@ -27,7 +27,7 @@ namespace {
 /// The extensions that driver/main.cpp passes to the engine, without the rows of the bench.
 cli::Extensions extensions_of_the_program() {
   return {.doctor = driver::doctor_probes(),
-          .links = driver::board_links(),
+          .links = driver::links(),
           .sources = driver::camera_sources(),
           .commands = {driver::emulate::add_emulate},
           .cameras = driver::cameras_there};
