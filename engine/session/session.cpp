@@ -232,13 +232,11 @@ const std::vector<std::string>& Session::solid_names() const {
   return state_->names;
 }
 LinkSetting Session::link_setting() const {
-  const touch::Method method = state_->setting.schedule.method.method;
-  const bool still = method == touch::Method::single_focus || method == touch::Method::multi_focus;
   const SessionSetting& setting = state_->setting;
   return {.layout = setting.layout,
           .solid_names = state_->names,
           .slot_s = state_->scheduler.slot_s(),
-          .foci_move = !still,
+          .foci_move = !touch::stands_still(setting.schedule.method.method),
           .sound_speed_m_s = setting.drive.medium.sound_speed,
           .ramp_s = setting.safety.ramp_s,
           // Boards compute phases for their own frequency.

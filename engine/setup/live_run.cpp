@@ -109,11 +109,15 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
   if (touch.dwell_s >= least_s) return;
   touch.steady_gains = true;
-  if (touch.method_given || touch.method.method == touch::Method::single_focus) return;
-  log::warning(fmt::format(
-      "--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so palpa plays --method "
-      "single-focus, whose focus does not move; give --method single-focus to avoid this warning, or --dwell {:g}ms",
-      options.link, 1e3 * least_s, 1e3 * touch.dwell_s, std::ceil(1e3 * least_s)));
+  if (touch.method_given || touch::stands_still(touch.method.method)) return;
+  const char* const instead =
+      options.own_method
+          ? "your own method must place one focus, which does not move; if it places more, give"
+          : "palpa plays --method single-focus, whose focus does not move; give --method single-focus to avoid this "
+            "warning, or";
+  log::warning(
+      fmt::format("--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so {} --dwell {:g}ms",
+                  options.link, 1e3 * least_s, 1e3 * touch.dwell_s, instead, std::ceil(1e3 * least_s)));
   touch.method.method = touch::Method::single_focus;
 }
 

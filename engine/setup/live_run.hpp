@@ -55,7 +55,7 @@ std::vector<Output> outputs_of(const LiveOptions& options, std::span<const sessi
 void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links);
 
 /// If the link cannot follow foci that move so fast, gains do not change from slot to slot either. If the command line
-/// names no method, also sets single-focus and warns.
+/// names no method, also sets single-focus and warns; a method of the caller's must then place one focus.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
 class LiveRun final : session::RunChanges {

@@ -310,8 +310,8 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
   drive.weighting = options.weighting;
   drive.constraint = options.constraint.value_or(array::Constraint::normalise);
   drive.medium = medium(options.medium);
-  const bool together = method == touch::Method::multi_focus;
-  drive.solver = solver_of(options.solver.value_or(together || silent ? SolverChoice::gs_pat : SolverChoice::naive));
+  const SolverChoice usual = touch::sounds_together(method) || silent ? SolverChoice::gs_pat : SolverChoice::naive;
+  drive.solver = solver_of(options.solver.value_or(usual));
   drive.directivity = options.directivity;
   return drive;
 }

@@ -198,6 +198,17 @@ TEST(Sessions, LetBoardsComputePhasesOnlyAtTheirOwnFrequency) {
   EXPECT_FALSE(Session(setting).link_setting().free_field);
 }
 
+TEST(Sessions, TellTheLinkWhetherFociMove) {
+  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("sonicsurface")};
+  EXPECT_TRUE(Session(setting).link_setting().foci_move);
+  setting.schedule.own_method = [](const touch::Touch&, const touch::Finger&, touch::Placement&) {};
+  EXPECT_TRUE(Session(setting).link_setting().foci_move) << "its foci may be any";
+  for (const touch::Method still : {touch::Method::single_focus, touch::Method::multi_focus}) {
+    setting.schedule.method.method = still;
+    EXPECT_FALSE(Session(setting).link_setting().foci_move) << "also of an own method, by its caller's word";
+  }
+}
+
 TEST_P(Touching, ASolverOfOnesOwnMakesEveryDrive) {
   SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("openmpd")};
   std::size_t calls = 0;

@@ -128,8 +128,9 @@ void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, dou
 array::Voice Scheduler::common_voice() const {
   touch::Placement placement;
   placement.complete = true;
-  placement.together = options_.method.method == touch::Method::multi_focus;
-  placement.foci.resize(options_.method.method == touch::Method::single_focus ? 1 : foci_);
+  const touch::Method method = options_.method.method;
+  placement.together = touch::sounds_together(method);
+  placement.foci.resize(touch::stands_still(method) && !placement.together ? 1 : foci_);
   array::Voice voice;
   make_voice(placement, 0, 0, options_.voice, voice);
   return voice;

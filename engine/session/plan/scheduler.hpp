@@ -35,7 +35,9 @@ using OwnMethod = std::function<void(const touch::Touch& touch, const touch::Fin
 /// How fingers become voices. The haptics of a finger's solid override `voice`.
 struct ScheduleOptions {
   touch::MethodOptions method;  ///< places the foci,
-  OwnMethod own_method{};       ///< unless there is this
+  /// unless there is this. `method` then only says whether its foci stand still and sound together: give single_focus
+  /// for one that places a single focus.
+  OwnMethod own_method{};
   array::VoiceOptions voice;
   Tune tune = Tune::nothing;
   acoustics::TuneOptions tuning;  ///< for Tune::all; callers must not set the field of its spectrum

@@ -23,6 +23,24 @@ void place_by_method(const Touch& touch, const Finger& finger, const MethodOptio
   }
 }
 
+/// What a method's foci do, whatever the finger.
+struct Traits {
+  bool still = false, together = false;
+};
+
+Traits traits_of(Method method) {
+  switch (method) {
+    case Method::cross_section:
+    case Method::ellipse:
+      return {};
+    case Method::single_focus:
+      return {.still = true};
+    case Method::multi_focus:
+      return {.still = true, .together = true};
+  }
+  return {};
+}
+
 bool has_any(const Placement& placement) {
   for (std::size_t i = 0; i < placement.foci.size(); ++i) {
     if (placement.has(i)) return true;
@@ -32,9 +50,18 @@ bool has_any(const Placement& placement) {
 
 }  // namespace
 
+bool stands_still(Method method) {
+  return traits_of(method).still;
+}
+
+bool sounds_together(Method method) {
+  return traits_of(method).together;
+}
+
 void place_foci(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
   out.foci.clear();
-  out.complete = out.together = false;
+  out.complete = false;
+  out.together = sounds_together(options.method);
   if (!finger.point_like) place_by_method(touch, finger, options, out);
   if (!has_any(out)) {
     out.together = false;

@@ -25,6 +25,11 @@ inline constexpr Word<Method> method_words[] = {{"cross-section", Method::cross_
                                                 {"ellipse", Method::ellipse},
                                                 {"multi-focus", Method::multi_focus}};
 
+/// Whether nothing moves on the skin under this method: one focus, or all foci at once.
+bool stands_still(Method method);
+/// Whether all foci of a finger sound in one slot under this method.
+bool sounds_together(Method method);
+
 struct MethodOptions {
   Method method = Method::cross_section;
   /// `ellipse`: foci at equal steps of arc length instead of the ellipse's parameter.
@@ -42,7 +47,7 @@ struct Placement {
   std::vector<Focus> foci;
   /// Every focus has a position, whether or not contacts lie near it.
   bool complete = false;
-  bool together = false;  ///< all foci sound in one slot
+  bool together = false;  ///< all foci sound in one slot; set by place_foci()
 
   /// Whether focus `i` has a position.
   bool has(std::size_t i) const { return complete || foci[i].points != 0 || foci[i].held; }

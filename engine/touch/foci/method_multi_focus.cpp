@@ -7,7 +7,6 @@ namespace palpa::touch {
 
 void place_multi_focus(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
   place_cross_section(touch, finger, options, out);
-  out.together = true;
   out.complete = false;  // an empty sector's focus would only make its neighbour louder
 }
 

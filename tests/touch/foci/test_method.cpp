@@ -15,7 +15,6 @@ namespace palpa::touch::test {
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
-constexpr Method every[] = {Method::cross_section, Method::single_focus, Method::ellipse, Method::multi_focus};
 
 /// Contacts along an ellipse in a tilted plane, from one angle to another: one finger.
 struct Ring {
@@ -200,12 +199,21 @@ TEST(Method, PointLikeFingersHaveOneFocusUnderEveryMethod) {
   for (const int count : {1, 2, 30}) {
     const Touch touch = ring.touch(0, turn, count);
     ASSERT_TRUE(touch.fingers[0].point_like) << count;
-    for (const Method method : every) {
+    for (const auto& [word, method] : method_words) {
       const Placement placement = placed(touch, {.method = method, .foci = 7});
-      ASSERT_EQ(placement.foci.size(), 1u) << word_of(method_words, method);
+      ASSERT_EQ(placement.foci.size(), 1u) << word;
       EXPECT_EQ(placement.foci[0].position, touch.fingers[0].section.centroid);
       EXPECT_TRUE(placement.still() && !placement.together && placement.has(0));
     }
+  }
+}
+
+TEST(Method, FociStandStillAndSoundTogetherAsTheMethodSays) {
+  const Touch touch = Ring().touch(0, turn, 300);
+  for (const auto& [word, method] : method_words) {
+    const Placement placement = placed(touch, {.method = method});
+    EXPECT_EQ(placement.still(), stands_still(method)) << word;
+    EXPECT_EQ(placement.together, sounds_together(method)) << word;
   }
 }
 
@@ -214,9 +222,9 @@ TEST(Method, AllocatesNothingOnceItHasGrown) {
   Placement placement;
   placement.foci.reserve(max_foci);
   const void* storage = placement.foci.data();
-  for (const Method method : every) {
+  for (const auto& [word, method] : method_words) {
     place_foci(touch, touch.fingers[0], {.method = method}, placement);
-    EXPECT_EQ(placement.foci.data(), storage) << word_of(method_words, method);
+    EXPECT_EQ(placement.foci.data(), storage) << word;
   }
 }
 
