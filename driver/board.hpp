@@ -1,6 +1,6 @@
 // A board as its guard uses it. A guard (driver/guard/) is the only process that has the device open. There is one
 // guard for each link that drives a board. It calls the functions below from one thread, and no other functions of a
-// board. Each board has a folder beside this file with its protocol, its Board and its emulator.
+// board. Each board has a folder beside this file with its protocol, its Board and, in emulated/, its emulator.
 //
 //   open -> { play | plan | all_off | tend }... -> all_off -> close
 //

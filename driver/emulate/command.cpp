@@ -10,9 +10,9 @@
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/text.hpp"
-#include "driver/autd3/emulate.hpp"
-#include "driver/openmpd/emulate.hpp"
-#include "driver/sonicsurface/emulate.hpp"
+#include "driver/autd3/emulated/command.hpp"
+#include "driver/openmpd/emulated/command.hpp"
+#include "driver/sonicsurface/emulated/command.hpp"
 #include "line/values.hpp"
 
 namespace palpa::driver::emulate {

@@ -115,14 +115,14 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
       note(notes_, &BoardNotes::warning, "no file in {} belongs to board {}, so it plays without calibration",
            spec.files, address.serial);
     }
-    wires_.push_back(std::make_unique<Wire>(address, transport, clock, divider));
+    wires_.push_back(std::make_unique<Connection>(address, transport, clock, divider));
   }
   for (const auto& wire : wires_)
     wire->open();
   const std::size_t carried = check_bandwidth(spec.slot_s);
   const double ramp_s = std::min(spec.ramp_s, spec.slot_s / 2);
   const auto wanted = static_cast<std::size_t>(ramp_s / (divider * period_s) + 1e-9);
-  steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, Wire::most_frames));
+  steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, Connection::most_frames));
   newest_.resize(spec.layout.transducers.size());
   sounding_.resize(newest_.size());
   const double begin_s = clock_.now_s();
@@ -238,7 +238,7 @@ void OpenMpdBoard::send_next() {
 }
 
 void OpenMpdBoard::send_steps(std::size_t board) {
-  std::array<Frame, Wire::most_frames> frames;
+  std::array<Frame, Connection::most_frames> frames;
   std::array<array::TransducerDrive, transducers> between;
   for (std::size_t step = 1; step < steps_; ++step) {
     const float part = static_cast<float>(step) / static_cast<float>(steps_);
@@ -258,13 +258,14 @@ void OpenMpdBoard::send_steps(std::size_t board) {
 
 /// A drive has got as far as on the slowest board.
 BoardCounts OpenMpdBoard::counts() const {
-  const auto least = [&](std::uint64_t (Wire::*count)() const) {
+  const auto least = [&](std::uint64_t (Connection::*count)() const) {
     std::uint64_t fewest = (*wires_.front().*count)();
     for (const auto& wire : wires_)
       fewest = std::min(fewest, (*wire.*count)());
     return fewest + faint_;
   };
-  return {.submitted = {.drives = least(&Wire::submitted)}, .completed = {.drives = least(&Wire::completed)}};
+  return {.submitted = {.drives = least(&Connection::submitted)},
+          .completed = {.drives = least(&Connection::completed)}};
 }
 
 void OpenMpdBoard::tend_wires(bool may_ask) {
@@ -274,7 +275,7 @@ void OpenMpdBoard::tend_wires(bool may_ask) {
   // A device that does not answer holds up its caller. Healthy devices therefore come first, and the others take turns,
   // one each time.
   const double until_s = clock_.now_s() + (may_ask ? asking_s : 0);
-  const auto ask = [&](Wire& wire) {
+  const auto ask = [&](Connection& wire) {
     while (wire.asks() && clock_.now_s() < until_s)
       wire.tend();
   };

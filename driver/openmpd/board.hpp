@@ -27,8 +27,8 @@
 
 #include "driver/board.hpp"
 #include "driver/clock.hpp"
+#include "driver/openmpd/connection.hpp"
 #include "driver/openmpd/frame.hpp"
-#include "driver/openmpd/wire.hpp"
 #include "driver/usb/device.hpp"
 
 namespace palpa::driver::openmpd {
@@ -55,7 +55,7 @@ class OpenMpdBoard final : public Board {
   BoardCounts counts() const override;
 
   bool in_step() const;
-  const std::vector<std::unique_ptr<Wire>>& wires() const { return wires_; }
+  const std::vector<std::unique_ptr<Connection>>& connections() const { return wires_; }
 
  private:
   static constexpr double quiet_s = 0.5;  ///< after this time, an all-off frame is sent
@@ -72,7 +72,7 @@ class OpenMpdBoard final : public Board {
 
   BoardNotes& notes_;
   Clock& clock_;
-  std::vector<std::unique_ptr<Wire>> wires_;
+  std::vector<std::unique_ptr<Connection>> wires_;
   std::vector<Encoder> encoders_;
   std::vector<Frame> next_;             ///< by board
   bool waits_ = false;                  ///< next_ has not been sent

@@ -10,7 +10,7 @@
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
-#include "driver/autd3/listen.hpp"
+#include "driver/autd3/emulated/listener.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"

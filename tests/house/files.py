@@ -19,7 +19,7 @@ PLACES = {
     "viewer/run/film.cpp": "makes its folder", "viewer/options/settings.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",
     "driver/rosbag/bag.cpp": "reads a bag as a stream; asks itself",
-    "driver/sonicsurface/line.cpp": "a serial port", "driver/sonicsurface/pty.cpp": "a terminal of its own",
+    "driver/sonicsurface/line.cpp": "a serial port", "driver/sonicsurface/emulated/pty.cpp": "a terminal of its own",
     "driver/usb/libusb.cpp": "/sys", "driver/usb/local_server.cpp": "sockets of its own, and their lock",
     "driver/v4l2/kernel.cpp": "a camera", "driver/v4l2/nodes.cpp": "/sys",
 }

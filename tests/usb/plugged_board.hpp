@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "driver/openmpd/emulator.hpp"
+#include "driver/openmpd/emulated/board.hpp"
 #include "usb/ft232h_gadget.hpp"
 #include "usb/vhci_port.hpp"
 

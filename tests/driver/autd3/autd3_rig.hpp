@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "driver/autd3/board.hpp"
-#include "driver/autd3/listen.hpp"
-#include "driver/autd3/server.hpp"
+#include "driver/autd3/emulated/listener.hpp"
+#include "driver/autd3/emulated/server.hpp"
 #include "driver/autd3/wire.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/rig_parts.hpp"

@@ -17,9 +17,9 @@
 
 #include "autd3_rig.hpp"
 #include "driver/autd3/board.hpp"
-#include "driver/autd3/listen.hpp"
+#include "driver/autd3/emulated/listener.hpp"
+#include "driver/autd3/emulated/server.hpp"
 #include "driver/autd3/remote.hpp"
-#include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
 #include "support/begins.hpp"
 #include "support/thrown.hpp"

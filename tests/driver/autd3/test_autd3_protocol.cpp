@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "driver/autd3/device.hpp"
+#include "driver/autd3/emulated/device.hpp"
+#include "driver/autd3/emulated/server.hpp"
 #include "driver/autd3/pattern.hpp"
-#include "driver/autd3/server.hpp"
 #include "driver/autd3/wire.hpp"
 
 namespace palpa::driver::autd3 {

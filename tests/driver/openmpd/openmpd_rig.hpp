@@ -16,7 +16,7 @@
 #include "driver/board.hpp"
 #include "driver/clock.hpp"
 #include "driver/openmpd/board.hpp"
-#include "driver/openmpd/emulator.hpp"
+#include "driver/openmpd/emulated/board.hpp"
 #include "driver/rig_parts.hpp"
 #include "driver/usb/in_process.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "driver/openmpd/emulator.hpp"
-#include "driver/openmpd/fpga.hpp"
+#include "driver/openmpd/emulated/board.hpp"
+#include "driver/openmpd/emulated/fpga.hpp"
 #include "driver/openmpd/frame.hpp"
 #include "driver/openmpd/openmpd_files.hpp"
 #include "driver/usb/ftdi.hpp"

@@ -82,7 +82,7 @@ TEST(OpenMpdFaults, ABoardThatWaitsForAnotherNeverClearsItsBuffer) {
   PlayingRig rig({"EMU1", "EMU2"});
   rig.faults[1]->unplugged = true;
   rig.play_on(2.2);
-  ASSERT_TRUE(rig.board->wires()[0]->in_step());
+  ASSERT_TRUE(rig.board->connections()[0]->in_step());
   const std::uint64_t frames = rig.fpga(0).frames();
   double longest_s = 0, last_s = rig.clock.now_s();
   const auto wait = [&](double seconds) {

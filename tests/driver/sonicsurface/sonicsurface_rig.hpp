@@ -19,8 +19,8 @@
 #include "driver/guard/channel.hpp"
 #include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/board.hpp"
-#include "driver/sonicsurface/machine.hpp"
-#include "driver/sonicsurface/pty.hpp"
+#include "driver/sonicsurface/emulated/boards.hpp"
+#include "driver/sonicsurface/emulated/pty.hpp"
 #include "driver/sonicsurface/wire.hpp"
 
 namespace palpa::test {

@@ -15,9 +15,9 @@
 
 #include "driver/guard/channel.hpp"
 #include "driver/sonicsurface/board.hpp"
+#include "driver/sonicsurface/emulated/boards.hpp"
+#include "driver/sonicsurface/emulated/pty.hpp"
 #include "driver/sonicsurface/line.hpp"
-#include "driver/sonicsurface/machine.hpp"
-#include "driver/sonicsurface/pty.hpp"
 #include "driver/sonicsurface/wire.hpp"
 #include "sonicsurface_rig.hpp"
 #include "support/begins.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "driver/guard/channel.hpp"
-#include "driver/sonicsurface/machine.hpp"
+#include "driver/sonicsurface/emulated/boards.hpp"
 
 namespace palpa::driver::sonicsurface {
 

@@ -1,4 +1,4 @@
-#include "driver/openmpd/fpga.hpp"
+#include "driver/openmpd/emulated/fpga.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "driver/autd3/server.hpp"
+#include "driver/autd3/emulated/server.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "driver/openmpd/emulator.hpp"
+#include "driver/openmpd/emulated/board.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "driver/autd3/device.hpp"
+#include "driver/autd3/emulated/device.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "driver/openmpd/wire.hpp"
+#include "driver/openmpd/connection.hpp"
 
 #include <fmt/core.h>
 
@@ -57,10 +57,10 @@ usb::Entry find(const usb::Listing& listing, const Address& address) {
 
 }  // namespace
 
-Wire::Wire(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider)
+Connection::Connection(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider)
     : address_(std::move(address)), transport_(transport), clock_(clock), divider_(divider) {}
 
-void Wire::open() {
+void Connection::open() {
   find_device();
   take_device();
   while (state_ == State::asking)
@@ -68,7 +68,7 @@ void Wire::open() {
   if (state_ == State::lost) throw failure(fmt::format("board {}: {}", address_.text(), trouble()));
 }
 
-void Wire::find_device() {
+void Connection::find_device() {
   usb::Entry entry = find(transport_.list(wanted), address_);
   if (!entry.refusal.empty()) {
     throw failure(
@@ -77,7 +77,7 @@ void Wire::find_device() {
   entry_ = std::move(entry);
 }
 
-void Wire::take_device() {
+void Connection::take_device() {
   device_ = transport_.open(entry_, ftdi::endpoint_out);
   state_ = State::asking;
   asked_ = 0;
@@ -85,7 +85,7 @@ void Wire::take_device() {
 }
 
 /// One of the two steps towards a device that is lost.
-void Wire::look_for_device() {
+void Connection::look_for_device() {
   try {
     if (state_ == State::lost) {
       due_s_ = clock_.now_s() + retry_s;
@@ -101,7 +101,7 @@ void Wire::look_for_device() {
 
 /// For a device that was just opened: asks what it is, then makes it ready. After trouble: only the purges. Then sends
 /// the frames that silence the board in any state.
-void Wire::ask() {
+void Connection::ask() {
   if (halted_) {
     halted_ = false;
     device_->clear_halt();
@@ -123,7 +123,7 @@ void Wire::ask() {
   begin(burst);
 }
 
-void Wire::check_channel() {
+void Connection::check_channel() {
   ftdi::Channel channel{};
   const Outcome outcome = ftdi::read_channel(*device_, channel);
   if (outcome != Outcome::done)
@@ -138,16 +138,16 @@ void Wire::check_channel() {
   asked_ = 1;
 }
 
-bool Wire::asks() const {
+bool Connection::asks() const {
   if (state_ == State::lost) return clock_.now_s() >= due_s_;
   return state_ == State::found || state_ == State::asking;
 }
 
-void Wire::hurry() {
+void Connection::hurry() {
   if (state_ == State::lost || state_ == State::draining) due_s_ = clock_.now_s();
 }
 
-void Wire::tend() {
+void Connection::tend() {
   const double now_s = clock_.now_s();
   forgive_absence(now_s);
   if (device_ == nullptr) {
@@ -197,7 +197,7 @@ void Wire::tend() {
   }
 }
 
-void Wire::begin(std::span<const std::uint8_t> bytes, bool sounds) {
+void Connection::begin(std::span<const std::uint8_t> bytes, bool sounds) {
   const auto free =
       std::find_if(pending_.begin(), pending_.end(), [](const Pending& pending) { return !pending.flies; });
   std::copy(bytes.begin(), bytes.end(), free->bytes.begin());
@@ -209,7 +209,7 @@ void Wire::begin(std::span<const std::uint8_t> bytes, bool sounds) {
   submit(static_cast<unsigned>(free - pending_.begin()));
 }
 
-bool Wire::submit(unsigned number) {
+bool Connection::submit(unsigned number) {
   Pending& pending = pending_[number];
   const Outcome outcome = device_->submit(
       number, std::span<const std::uint8_t>(pending.bytes).subspan(pending.sent, pending.length - pending.sent));
@@ -226,7 +226,7 @@ bool Wire::submit(unsigned number) {
   return true;
 }
 
-void Wire::reap() {
+void Connection::reap() {
   while (const auto sent = device_->reap()) {
     Pending& pending = pending_[sent->number];
     pending.flies = false;
@@ -249,13 +249,13 @@ void Wire::reap() {
   }
 }
 
-void Wire::fall_out(Outcome outcome) {
+void Connection::fall_out(Outcome outcome) {
   halted_ = halted_ || outcome == Outcome::stalled;
   if (outcome == Outcome::gone) return lose(text_of(outcome));
   start_over(outcome == Outcome::timed_out ? "it takes no bytes" : text_of(outcome));
 }
 
-void Wire::start_over(std::string_view trouble) {
+void Connection::start_over(std::string_view trouble) {
   // If it falls out of step again during a resynchronisation, wait. Otherwise resynchronisations would follow each
   // other without a pause.
   due_s_ = clock_.now_s() + (state_ == State::in_step ? 0 : retry_s);
@@ -264,11 +264,11 @@ void Wire::start_over(std::string_view trouble) {
   if (flying_ > 0) device_->cancel();
 }
 
-void Wire::resync() {
+void Connection::resync() {
   if (state_ == State::in_step) start_over({});
 }
 
-void Wire::lose(std::string_view trouble) {
+void Connection::lose(std::string_view trouble) {
   device_.reset();
   for (Pending& pending : pending_)
     pending.flies = false;
@@ -278,25 +278,25 @@ void Wire::lose(std::string_view trouble) {
   trouble_.assign(trouble);
 }
 
-bool Wire::takes() const {
+bool Connection::takes() const {
   return state_ == State::in_step && flying_ < usb::most_in_flight;
 }
 
-void Wire::send(std::span<const Frame> frames, bool sounds) {
+void Connection::send(std::span<const Frame> frames, bool sounds) {
   frames_ += frames.size();
   begin({frames.front().data(), frames.size() * frame_bytes}, sounds);
 }
 
-void Wire::keep_awake() {
+void Connection::keep_awake() {
   if (takes() && clock_.now_s() - begun_s_ > idle_s) begin(std::array<std::uint8_t, frame_bytes>{});
 }
 
-bool Wire::silenced() const {
+bool Connection::silenced() const {
   return flying_ == 0 && state_ >= State::flushing;
 }
 
 /// Time without calls, because the computer was busy or asleep, does not count against the device.
-void Wire::forgive_absence(double now_s) {
+void Connection::forgive_absence(double now_s) {
   constexpr double usual_s = 0.02;
   const double absent_s = now_s - std::exchange(tended_s_, now_s);
   if (absent_s < usual_s) return;
@@ -304,7 +304,7 @@ void Wire::forgive_absence(double now_s) {
     pending.since_s += std::min(absent_s, now_s - pending.since_s);
 }
 
-double Wire::oldest_s() const {
+double Connection::oldest_s() const {
   double oldest = std::numeric_limits<double>::infinity();
   for (const Pending& pending : pending_) {
     if (pending.flies) oldest = std::min(oldest, pending.since_s);

@@ -1,4 +1,4 @@
-#include "driver/openmpd/emulate.hpp"
+#include "driver/openmpd/emulated/command.hpp"
 
 #include <fmt/core.h>
 #include <poll.h>
@@ -24,7 +24,7 @@
 #include "driver/emulate/trace.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/openmpd/board_file.hpp"
-#include "driver/openmpd/emulator.hpp"
+#include "driver/openmpd/emulated/board.hpp"
 #include "driver/usb/local_server.hpp"
 
 namespace palpa::driver::openmpd {

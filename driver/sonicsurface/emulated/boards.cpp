@@ -1,4 +1,4 @@
-#include "driver/sonicsurface/machine.hpp"
+#include "driver/sonicsurface/emulated/boards.hpp"
 
 #include <fmt/core.h>
 

@@ -10,7 +10,7 @@
 #include "array/drive.hpp"
 #include "driver/emulate/violations.hpp"
 #include "driver/openmpd/board_file.hpp"
-#include "driver/openmpd/fpga.hpp"
+#include "driver/openmpd/emulated/fpga.hpp"
 #include "driver/usb/ftdi.hpp"
 #include "driver/usb/peripheral.hpp"
 

@@ -1,4 +1,4 @@
-#include "driver/emulate/session.hpp"
+#include "driver/emulate/serve.hpp"
 
 #include <optional>
 

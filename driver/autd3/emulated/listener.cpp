@@ -1,4 +1,4 @@
-#include "driver/autd3/listen.hpp"
+#include "driver/autd3/emulated/listener.hpp"
 
 #include <arpa/inet.h>
 #include <fmt/core.h>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "driver/autd3/device.hpp"
+#include "driver/autd3/emulated/device.hpp"
 #include "driver/emulate/violations.hpp"
 
 namespace palpa::driver::autd3 {

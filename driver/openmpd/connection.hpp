@@ -33,7 +33,7 @@ struct Address {
   std::string text() const { return place.empty() ? serial : serial + "@" + place; }
 };
 
-class Wire {
+class Connection {
  public:
   static constexpr double transfer_patience_s = 0.25;
   static constexpr double pause_s = 1.05;  ///< the board's own second is over by then
@@ -42,7 +42,7 @@ class Wire {
   static constexpr std::size_t most_frames = 8;  ///< in one send()
 
   /// Transport and clock must outlive this object. `divider` is set once per opening.
-  Wire(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider);
+  Connection(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider);
 
   /// Opens the device and begins to resynchronise it. Throws failure() or bad_usage that names what is wrong and what
   /// would be right: no such board, several, a board that another program has, another device with the same ids.

@@ -1,4 +1,4 @@
-#include "driver/sonicsurface/emulate.hpp"
+#include "driver/sonicsurface/emulated/command.hpp"
 
 #include <fmt/core.h>
 
@@ -9,10 +9,10 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "driver/emulate/session.hpp"
+#include "driver/emulate/serve.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/sonicsurface/board.hpp"
-#include "driver/sonicsurface/pty.hpp"
+#include "driver/sonicsurface/emulated/pty.hpp"
 
 namespace palpa::driver::sonicsurface {
 namespace {

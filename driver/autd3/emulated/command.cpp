@@ -1,4 +1,4 @@
-#include "driver/autd3/emulate.hpp"
+#include "driver/autd3/emulated/command.hpp"
 
 #include <fmt/core.h>
 
@@ -9,8 +9,8 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "driver/autd3/listen.hpp"
-#include "driver/emulate/session.hpp"
+#include "driver/autd3/emulated/listener.hpp"
+#include "driver/emulate/serve.hpp"
 #include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::autd3 {

@@ -1,4 +1,4 @@
-#include "driver/sonicsurface/pty.hpp"
+#include "driver/sonicsurface/emulated/pty.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>

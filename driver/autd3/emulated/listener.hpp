@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "driver/autd3/server.hpp"
+#include "driver/autd3/emulated/server.hpp"
 #include "driver/guard/channel.hpp"
 
 namespace palpa::driver::autd3 {
