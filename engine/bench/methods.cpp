@@ -12,7 +12,7 @@
 #include "session/plan/voice.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 #include "touch/stage.hpp"
 
 namespace palpa::bench {

@@ -17,7 +17,7 @@
 #include "base/outputs.hpp"
 #include "geometry/solid.hpp"
 #include "setup/compute.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 #include "touch/types.hpp"
 
 namespace CLI {

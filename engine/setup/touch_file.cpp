@@ -14,7 +14,7 @@
 #include "geometry/gltf_document/json.hpp"
 #include "session/plan/voice.hpp"
 #include "setup/voice_json.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::setup {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "session/plan/voice.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::session {
 namespace {

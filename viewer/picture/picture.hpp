@@ -20,7 +20,7 @@
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/skin_point.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 #include "touch/types.hpp"
 #include "viewer/view/frustum.hpp"
 #include "viewer/view/view_state.hpp"

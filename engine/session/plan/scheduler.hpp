@@ -14,7 +14,7 @@
 #include "base/math.hpp"
 #include "session/plan/feel.hpp"
 #include "session/plan/solid_haptics.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -29,7 +29,7 @@ enum class Tune {
 };
 
 /// A method of the caller's: places the foci of a finger of that touch, at least one and at most touch::max_foci, as
-/// the functions in touch/foci/method.hpp do. It is called on the thread that computes, and must not throw.
+/// the functions in touch/methods/method.hpp do. It is called on the thread that computes, and must not throw.
 using OwnMethod = std::function<void(const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out)>;
 
 /// How fingers become voices. The haptics of a finger's solid override `voice`.

@@ -4,12 +4,12 @@
 #include <cstdint>
 
 #include "array/schedule.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
 
-/// Turns the foci that a method has placed (touch/foci/method.hpp) into the voice of the finger `id` on `solid`. An
+/// Turns the foci that a method has placed (touch/methods/method.hpp) into the voice of the finger `id` on `solid`. An
 /// empty sector takes the position of the nearest non-empty one by angle; if two are equally near, the one with the
 /// lower index. If all foci sound together, an empty sector is left out, because its neighbour would be twice as loud.
 /// The placement must have at least one focus with a position.

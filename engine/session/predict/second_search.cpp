@@ -7,10 +7,10 @@
 
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
-#include "touch/fingers/foci.hpp"
 #include "touch/fingers/follow_math.hpp"
 #include "touch/fingers/known.hpp"
 #include "touch/fingers/sections.hpp"
+#include "touch/fingers/sectors.hpp"
 
 namespace palpa::session {
 namespace {

@@ -21,7 +21,7 @@
 #include "setup/pattern_file.hpp"
 #include "setup/touch_file.hpp"
 #include "setup/warnings.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::setup {
 namespace {

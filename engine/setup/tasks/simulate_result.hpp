@@ -14,7 +14,7 @@
 #include "session/plan/scheduler.hpp"
 #include "setup/tasks/simulate_spread.hpp"
 #include "setup/touch_run.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::setup {
 

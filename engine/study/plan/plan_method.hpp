@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::study {
 

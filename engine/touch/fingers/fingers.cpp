@@ -3,9 +3,9 @@
 #include "touch/fingers/admit.hpp"
 #include "touch/fingers/bridge.hpp"
 #include "touch/fingers/depths.hpp"
-#include "touch/fingers/foci.hpp"
 #include "touch/fingers/keep.hpp"
 #include "touch/fingers/sections.hpp"
+#include "touch/fingers/sectors.hpp"
 #include "touch/fingers/split.hpp"
 #include "touch/pass_watch.hpp"
 

@@ -1,4 +1,4 @@
-#include "touch/foci/ellipse.hpp"
+#include "touch/methods/ellipse.hpp"
 
 #include <algorithm>
 #include <cmath>

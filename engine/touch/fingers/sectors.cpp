@@ -1,4 +1,4 @@
-#include "touch/fingers/foci.hpp"
+#include "touch/fingers/sectors.hpp"
 
 #include <array>
 #include <cmath>

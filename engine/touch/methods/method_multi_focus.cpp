@@ -1,7 +1,7 @@
 // All foci of the cross-section at once, as in the paper's reference [12] (Long et al. 2014), which draws an object's
 // intersection with the hand with several simultaneous foci and modulates them. The solver determines how well the
 // array makes several foci at once.
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::touch {
 

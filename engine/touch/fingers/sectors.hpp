@@ -1,4 +1,4 @@
-// Foci of every finger, Eq. (5)-(7), or at equal arc lengths along its cross-section.
+// Foci of every finger by the sectors of its cross-section, Eq. (5)-(7), or at equal arc lengths along it.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "touch/foci/ellipse.hpp"
+#include "touch/methods/ellipse.hpp"
 
 namespace palpa::touch {
 namespace {

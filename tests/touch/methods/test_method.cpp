@@ -7,9 +7,9 @@
 #include <random>
 
 #include "base/math.hpp"
-#include "touch/fingers/foci.hpp"
 #include "touch/fingers/sections.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/fingers/sectors.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::touch::test {
 namespace {

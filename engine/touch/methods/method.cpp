@@ -1,4 +1,4 @@
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <optional>
 
-#include "touch/foci/ellipse.hpp"
-#include "touch/foci/method.hpp"
+#include "touch/methods/ellipse.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::touch {
 namespace {

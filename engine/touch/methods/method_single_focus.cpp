@@ -1,6 +1,6 @@
 // The paper's baseline (Sec. IV-C): a single focus at the centroid of the contacts. It does not move on the skin, so
 // the schedule modulates it.
-#include "touch/foci/method.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::touch {
 
