@@ -37,7 +37,7 @@ inline constexpr Word<Modulation> modulation_words[] = {{"pressure-sine", Modula
 struct Voice {
   std::uint32_t id = 0;              ///< the finger's, stable for as long as it is followed
   std::uint32_t solid = 0;           ///< the touched object: index into the scene's solids
-  std::vector<Vec3> foci;            ///< metres; one per sector; no sector is empty
+  std::vector<Vec3> foci;            ///< metres; all have a position
   Vec3 velocity{0};                  ///< m/s: the foci move on together, see Advance
   std::vector<std::uint32_t> order;  ///< indices into `foci`, as they play
   std::uint32_t foci_per_slot = 1;   ///< number of entries of `order` that sound together; `multi-focus`: all of them

@@ -1,5 +1,6 @@
-// From clusters of contacts to fingers with foci. Everything about fingers is here: at most max_fingers remain after
-// clustering, so this is plain C++ wherever the points come from. The steps of a frame, in their order:
+// From clusters of contacts to fingers with foci. At most max_fingers remain after clustering, so this is plain C++
+// wherever the points come from. The passes and their twins decide only how many contacts a cluster needs, which
+// clusters are the largest, and which contacts lie beyond the shell's edges. The steps of a frame, in their order:
 //
 //   split      a cluster that is several fingers, or no finger      split.hpp      } with cameras and a
 //   bridge     several clusters that are one finger                 bridge.hpp     } finger width
@@ -7,8 +8,9 @@
 //   sections   centroid and axes, Eq. (2)-(4)                       sections.hpp
 //   follow     ids, steady axes                                     follow.hpp       if fingers are followed
 //   keep       what the next frame must know                        keep.hpp         with hysteresis
-//   foci       sectors' centroids, Eq. (5)-(7)                      foci.hpp
+//   foci       sectors' centroids, Eq. (5)-(7)                      sectors.hpp
 //   glide      foci that do not jump                                glide.hpp        if foci are smoothed
+//   beyond     contacts beyond the shell's edges are left out       keep.hpp         with hysteresis
 //   depths     how deep a finger presses                            depths.hpp
 #pragma once
 
