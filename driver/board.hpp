@@ -124,7 +124,7 @@ struct BoardKind {
   /// such device, or a layout or a slot that it cannot play. Returns with the device open and silent. The notes must
   /// outlive the board.
   std::function<std::unique_ptr<Board>(const BoardSpec&, BoardNotes&)> open;
-  bool plays_plans = false;
+  bool plays_plans = false;  ///< plan() is called; otherwise, plans list no drives while foci move with their fingers
   bool reads_files = false;  ///< it uses BoardSpec::files
   /// The built-in layout of the boards that an argument names, for users who give no layout; "": none fits.
   std::function<std::string(const std::string& argument)> own_layout{};
