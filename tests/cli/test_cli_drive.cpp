@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "cli/support/drive_here.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
-#include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -27,30 +27,13 @@ const std::filesystem::path& folder() {
   return folder;
 }
 
-struct Driven {
-  std::string table, told;
-  std::vector<std::vector<double>> rows;
-  json report;
-};
-
-Driven drive(const std::vector<std::string>& arguments, const std::string& backend = "cpu") {
-  const std::string csv = folder() / "drive.csv", report = folder() / "drive.json";
-  const Result result =
-      palpa_here(with({"drive", "--backend", backend, "--csv", csv, "--json", report}, arguments));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
-  const std::string table = read_text(csv);
-  EXPECT_TRUE(table.starts_with("index,x,y,z,nx,ny,nz,amplitude,phase\n0,")) << table.substr(0, 80);
-  return {table, result.out, read_csv(csv), json::parse(read_text(report))};
-}
-
 class DriveOn : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Backends, DriveOn, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
 
 TEST_P(DriveOn, OneFocusIsThePapersFormulaInTableAndReport) {
   const double c = 331.3 * std::sqrt(1 + 25 / 273.15), f = 41e3;
   const std::vector<double> focus{0.012, -0.034, 0.12};
-  const auto [table, told, rows, report] = drive(
+  const auto [table, rows, report, told] = drive_here(
       {"--layout", "paper", "--focus", "12mm,-3.4cm,0.12", "--temperature", "25", "--frequency", "41kHz"}, GetParam());
   ASSERT_EQ(rows.size(), 3984u);
   ASSERT_EQ(report["amplitudes"].size(), rows.size());
@@ -84,7 +67,7 @@ TEST_P(DriveOn, SolversServeSeveralFociAndSayHowWell) {
   const std::vector<std::vector<double>> foci{{0, 0, 0}, {0.02, 0, 0.005}, {-0.01, 0.015, 0}, {0, -0.02, -0.01}};
   const std::vector<double> gains{1, 1, 0.5, 1};
   for (const std::string solver : {"naive", "gs-pat", "greedy"}) {
-    const auto [table, told, rows, report] = drive(
+    const auto [table, rows, report, told] = drive_here(
         {"--layout", "paper", "--focus", "0,0,0", "--focus", "20mm,0,5mm", "--focus", "-10mm,15mm,0,0.5", "--focus",
          "0,-20mm,-10mm", "--solver", solver, "--directivity", "omni", "--constraint", "uniform"},
         GetParam());
@@ -112,7 +95,7 @@ TEST_P(DriveOn, SolversServeSeveralFociAndSayHowWell) {
 TEST(Drive, AmplitudesAreAsWeightingAndConstraintSay) {
   const auto amplitudes = [](const std::vector<std::string>& more) {
     std::vector<double> all;
-    for (const auto& row : drive(with({"--layout", "autd3", "--focus", "-20mm,0,0.15"}, more)).rows)
+    for (const auto& row : drive_here(with({"--layout", "autd3", "--focus", "-20mm,0,0.15"}, more)).rows)
       all.push_back(row[7]);
     EXPECT_EQ(all.size(), 249u);
     return all;
@@ -134,7 +117,7 @@ TEST(Drive, SaysWhichFociTheArrayDoesNotResolve) {
   // One behind the other is harder to tell apart than one beside the other.
   for (const auto& [second, resolved] :
        {std::pair("3mm,0,150mm", false), std::pair("15mm,0,150mm", true), std::pair("0,0,158mm", false)}) {
-    const Driven got = drive({"--layout", "openmpd", "--focus", "0,0,150mm", "--focus", second});
+    const Driven got = drive_here({"--layout", "openmpd", "--focus", "0,0,150mm", "--focus", second});
     EXPECT_EQ(got.report["unresolved_pairs"], json::parse(resolved ? "[]" : "[[0,1]]")) << second;
     EXPECT_EQ(got.told.find("1 pair of foci closer than this array resolves") == std::string::npos, resolved);
   }
@@ -151,7 +134,7 @@ std::string word(double x, double y, double z, double gain = 1) {
 
 /// The drives of both lines have the same bytes.
 void expect_same(const std::vector<std::string>& touching, const std::vector<std::string>& aimed) {
-  EXPECT_TRUE(drive(touching).table == drive(aimed).table)
+  EXPECT_TRUE(drive_here(touching).table == drive_here(aimed).table)
       << testing::PrintToString(touching) << " and " << testing::PrintToString(aimed);
 }
 
@@ -200,9 +183,9 @@ TEST(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
     "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})");
   const std::vector<std::string> touching = with(paper, {"--touch", file}),
                                  aimed = with(paper, {"--focus", "0,0,0", "--focus", word(0.01F, 0, 0)});
-  const std::string gs_pat = drive(touching).table;
-  EXPECT_TRUE(drive(with(aimed, {"--solver", "gs-pat"})).table == gs_pat);
-  EXPECT_FALSE(drive(aimed).table == gs_pat);
+  const std::string gs_pat = drive_here(touching).table;
+  EXPECT_TRUE(drive_here(with(aimed, {"--solver", "gs-pat"})).table == gs_pat);
+  EXPECT_FALSE(drive_here(aimed).table == gs_pat);
   expect_same(with(touching, {"--solver", "naive"}), aimed);
   expect_failure(palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "1"}), 2, "has one slot, 0");
 }

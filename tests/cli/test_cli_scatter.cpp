@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <complex>
-#include <csignal>
 #include <filesystem>
 #include <numbers>
 #include <string>
@@ -15,14 +13,12 @@
 #include "acoustics/bodies/sphere_series.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
-#include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
-#include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -292,20 +288,6 @@ TEST(Scatter, LoudDrivesAreBeyondLinearAcoustics) {
   };
   EXPECT_TRUE(told("paper"));
   EXPECT_FALSE(told("sonicsurface"));
-}
-
-TEST(Scatter, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
-  PALPA_TERMINAL_OR_SKIP();
-  const std::filesystem::path csv = folder() / "hand.csv";
-  std::filesystem::remove(csv);
-  const std::string mesh = ply_of("large", geometry::icosphere(15e-3, 22));
-  Terminal terminal({"scatter", "--mesh", mesh, "--plane-wave", "0,0,1", "--csv", csv.string()});
-  EXPECT_TRUE(terminal.shows("filling the matrix of the surface")) << terminal.text();
-  const auto begin = std::chrono::steady_clock::now();
-  terminal.type("\x03");
-  EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
-  EXPECT_FALSE(std::filesystem::exists(csv));
 }
 
 /// A fingertip above a board, and a point a little below the middle of one of its faces.

@@ -2,9 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -13,13 +11,11 @@
 
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
-#include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
-#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -279,22 +275,6 @@ TEST(Simulate, TheFigureIsThePapers) {
   EXPECT_GT(paper[3]["squared"]["elongation"], paper[4]["squared"]["elongation"]);
   EXPECT_TRUE(read_text(png).starts_with("\x89PNG"));
   expect_failure(palpa_here({"simulate", "--figure6", "--scene", "a.glb"}), 2, "--figure6");
-}
-
-TEST(Simulate, LongWorkSaysWhatItDoesAndStopsOnCtrlC) {
-  PALPA_TERMINAL_OR_SKIP();
-  const std::filesystem::path out = folder() / "out-of-ctrl-c";
-  std::filesystem::remove_all(out);
-  std::filesystem::create_directories(out);
-  Terminal terminal({"simulate", "--scene", source_file("assets/cube.glb"), "--finger",
-                     finger_file("large", 0, 22, 15e-3), "--backend", "cpu", "--csv", out / "a.csv", "--vtu",
-                     out / "a.vtu", "--png", out / "a.png", "--json", out / "a.json"});
-  EXPECT_TRUE(terminal.shows("filling the matrix of the surface")) << terminal.text();
-  const auto begin = std::chrono::steady_clock::now();
-  terminal.type("\x03");
-  EXPECT_EQ(terminal.ended_by_signal(), SIGINT) << terminal.text();
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
-  EXPECT_TRUE(std::filesystem::is_empty(out));
 }
 
 TEST(Simulate, RefusesWhatCannotBe) {
