@@ -131,11 +131,12 @@ std::string two_boxes(const geometry::Haptics& left, const geometry::Haptics& ri
   return file;
 }
 
-/// What is exported of still fingers: those of the newest frame of foci, the drives, the stats, the warnings
-/// of pressures.
+/// What is exported of still fingers: those of the newest frame of foci, the drives, the stats, the summary, the
+/// warnings of pressures.
 struct Played {
   json fingers, stats;
   session::DriveRecording drives;
+  std::string told;
   std::vector<std::string> warnings;
 };
 
@@ -149,6 +150,7 @@ Played play(const std::string& scene, const std::string& take, const std::vector
   Played played{.fingers = {},
                 .stats = json::parse(read_text(folder / "stats.json")),
                 .drives = session::read_drive_recording(drives),
+                .told = result.out,
                 .warnings = result.err_lines()};
   std::erase_if(played.warnings, [](const std::string& line) { return line.find(" Pa of the ") == std::string::npos; });
   const json frames = json::parse(read_text(foci))["frames"];
@@ -250,6 +252,8 @@ TEST(CliPressure, AnUnreachableOneLowersNobodyElse) {
   expect_heard(posed("paper"), both, 1, reached);
   ASSERT_EQ(both.warnings.size(), 1u) << "said once";
   EXPECT_CONTAINS(both.warnings[0], "on right has");
+  EXPECT_EQ(both.stats["fingers"][1]["asked_pa"], 1e5);
+  EXPECT_CONTAINS(both.told, "of the 100000 Pa asked for");
 }
 
 TEST(CliPressure, TogetherEachFocusHasItOfTheWholeSoundAndACeilingComesAfter) {
