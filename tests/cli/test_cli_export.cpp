@@ -129,6 +129,7 @@ TEST_F(CliExport, EachSlotPlaysTheNewestFrameByThen) {
   EXPECT_TRUE(frames.back()["fingers"].empty());
   EXPECT_EQ(stats["drives"], end);
   EXPECT_EQ(stats["silent_drives"], 0);
+  EXPECT_FALSE(stats.contains("fingers") || frames[0]["fingers"][0].contains("pressure_pa")) << "nobody asked for one";
 
   const std::vector<session::RecordedDrive> recorded = drives();
   ASSERT_EQ(recorded.size(), end + 1);

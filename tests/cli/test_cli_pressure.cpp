@@ -219,15 +219,6 @@ TEST_P(PressureOn, TwoFingersEachHaveWhatOneAloneHas) {
   EXPECT_EQ(both.warnings, std::vector<std::string>{});
 }
 
-TEST(CliPressure, LeftOutTheSecondFingerTakesFromTheFirstAndNothingIsToldOfPressures) {
-  const Played loud = play(two_boxes({}, {}), film_of_two(), {"--backend", "cpu"});
-  ASSERT_EQ(loud.fingers.size(), 2u);
-  EXPECT_FALSE(loud.fingers[0].contains("pressure_pa"));
-  EXPECT_FALSE(loud.stats.contains("fingers"));
-  const auto [least, most] = heard(posed("paper"), loud, 0);
-  EXPECT_GT(most / least, 1.03);
-}
-
 TEST(CliPressure, ARunTellsWhatItsFingersHave) {
   const Result result = palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film_of_two(), "--every-frame",
                                     "--backend", "cpu", "--pressure", "8kPa", "--json", "-"});
