@@ -71,8 +71,7 @@ TEST_F(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
     const json drive = drive_here({"--layout", "paper", "--touch", file, "--slot", "2"}, backend).report;
     EXPECT_EQ(drive["gains"], (json{0.5, 0.7}));
     using Place = std::array<float, 3>;
-    EXPECT_EQ(drive["foci_m"].get<std::vector<Place>>(),
-              (std::vector<Place>{button["foci_m"][6], knob["foci_m"][3]}));
+    EXPECT_EQ(drive["foci_m"].get<std::vector<Place>>(), (std::vector<Place>{button["foci_m"][6], knob["foci_m"][3]}));
   }
 }
 

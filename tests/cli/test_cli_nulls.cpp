@@ -136,10 +136,10 @@ amplitude = 0
 radius_m = 0.0005
 )");
   const std::vector<std::string> openmpd{"--layout", "openmpd"};
-  EXPECT_EQ(drive_here(with(openmpd, {"--pattern", file})).table,
-            drive_here(with(openmpd, {"--focus", "-0.01,0,0.15", "--focus", "0.01,0,0.15", "--null",
-                                      "0,0.01,0.15,0.0005"}))
-                .table);
+  EXPECT_EQ(
+      drive_here(with(openmpd, {"--pattern", file})).table,
+      drive_here(with(openmpd, {"--focus", "-0.01,0,0.15", "--focus", "0.01,0,0.15", "--null", "0,0.01,0.15,0.0005"}))
+          .table);
   write_text(file, "[[point]]\nposition_m = [0, 0, 0.15]\namplitude = -1\n");
   expect_failure(palpa_here(with({"drive", "--pattern", file}, openmpd)), 4, file + ": line 3");
 }

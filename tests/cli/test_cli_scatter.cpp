@@ -138,9 +138,9 @@ TEST(Scatter, PlacesAreInTheAirOnTheSkinOrInside) {
       EXPECT_TRUE(std::isnan(got.real()) && std::isnan(got.imag())) << i;
       continue;
     }
-    const std::complex<double> exact =
-        distance < 1.02 * radius ? series.at(places[i])
-                                 : acoustics::sphere_in_plane_wave(wave_number, radius, {0, 0, 1}, places[i]);
+    const std::complex<double> exact = distance < 1.02 * radius
+                                           ? series.at(places[i])
+                                           : acoustics::sphere_in_plane_wave(wave_number, radius, {0, 0, 1}, places[i]);
     EXPECT_LE(std::abs(got - exact), 0.05) << i;
   }
 }
@@ -188,19 +188,17 @@ TEST(Scatter, WhatMakesResultsLessExactIsToldAndTurnedFacesAreMended) {
     std::string mesh;
     std::vector<std::string> sound;
     std::string told;
-  } warned[]{
-      // Half as fine as the box on which both ways to the force agree.
-      {ply_of("edgy", divided(box(Vec3(-6e-3), Vec3(6e-3)), 2)),
-       {"--plane-wave", "0.48,0.6,0.64", "--force"},
-       "apart; a finer mesh makes both more exact"},
-      {coarse, with(upwards, {"--force"}), "coarse: its faces' sides are"},
-      {ply_of("inwards", inwards), upwards, "its faces point inwards"},
-      {ply_of("needles", needles),
-       upwards,
-       "2 of its 720 faces are needles, more than 10 times as long as high (face 39"},
-      {ply_of("turned", turned), upwards, "1 of its 2 pieces face inwards"},
-      {sphere, close, "nearer than two sides, results are less exact"},
-      {sphere, closer, "nearer than two sides, results are less exact"}};
+  } warned[]{// Half as fine as the box on which both ways to the force agree.
+             {ply_of("edgy", divided(box(Vec3(-6e-3), Vec3(6e-3)), 2)),
+              {"--plane-wave", "0.48,0.6,0.64", "--force"},
+              "apart; a finer mesh makes both more exact"},
+             {coarse, with(upwards, {"--force"}), "coarse: its faces' sides are"},
+             {ply_of("inwards", inwards), upwards, "its faces point inwards"},
+             {ply_of("needles", needles), upwards,
+              "2 of its 720 faces are needles, more than 10 times as long as high (face 39"},
+             {ply_of("turned", turned), upwards, "1 of its 2 pieces face inwards"},
+             {sphere, close, "nearer than two sides, results are less exact"},
+             {sphere, closer, "nearer than two sides, results are less exact"}};
   for (const auto& [mesh, sound, told] : warned)
     EXPECT_CONTAINS(scatter(mesh, sound).err, told);
   EXPECT_EQ(scatter(sphere, {"--point-source", "0,0,9mm"}).err, "");
@@ -215,8 +213,7 @@ TEST(Scatter, TheForceFromAfarNeedsAirWithoutSources) {
       ply_of("long", transformed(icosphere(1, 8), [](const Vec3& p) { return p * Vec3(3e-3, 3e-3, 9e-3); }));
   EXPECT_TRUE(scatter(body, {"--point-source", "8mm,0,0"}).results["force_far_N"].is_null());
   const json far = scatter(body, {"--point-source", "14mm,0,0"}).results;
-  EXPECT_NEAR(far["force_far_N"][0].get<double>(), far["force_N"][0],
-              0.02 * std::abs(far["force_N"][0].get<double>()));
+  EXPECT_NEAR(far["force_far_N"][0].get<double>(), far["force_N"][0], 0.02 * std::abs(far["force_N"][0].get<double>()));
 }
 
 TEST(Scatter, WhatIsNoBodyOrNoSoundIsRefused) {
@@ -333,9 +330,11 @@ TEST(DriveOnAFinger, IsAsLoudAsWhatScattersSays) {
     const glm::uvec3& t = mesh.triangles[face];
     const Vec3 centre = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0;
     const Vec3 below = centre + 0.3 * (Vec3(0, 0, 0.1) - centre);
-    const std::vector<std::string> drive{
-        "--layout", "openmpd", "--sound-speed", "343", "--constraint",
-        "uniform",  "--mesh",  file,            "--focus", fmt::format("{},{},{}", below.x, below.y, below.z)};
+    const std::vector<std::string> drive{"--layout",      "openmpd",
+                                         "--sound-speed", "343",
+                                         "--constraint",  "uniform",
+                                         "--mesh",        file,
+                                         "--focus",       fmt::format("{},{},{}", below.x, below.y, below.z)};
     const Driven driven = drive_here(with(drive, {"--transfer", "finger"}));
     EXPECT_CONTAINS(driven.told, "on the nearest skin");
     for (int axis = 0; axis < 3; ++axis)
