@@ -1,15 +1,19 @@
-// `palpa drive` against phases that another program computed, and against itself on both backends.
+// `palpa drive`: its table and its report against formulas and sums of the test's own, drives of a touch, refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <fstream>
+#include <filesystem>
 #include <numbers>
 #include <sstream>
+#include <string>
+#include <vector>
 
+#include "cli/support/drive_here.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 
@@ -18,76 +22,22 @@ namespace {
 
 using nlohmann::json;
 
-using Rows = std::vector<std::vector<double>>;
-
-/// Rows of numbers below a header line.
-Rows read_rows(std::istream& stream) {
-  Rows rows;
-  std::string line;
-  std::getline(stream, line);
-  while (std::getline(stream, line)) {
-    std::vector<double> row;
-    std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');)
-      row.push_back(std::stod(cell));
-    rows.push_back(row);
-  }
-  return rows;
+const std::filesystem::path& folder() {
+  static const std::filesystem::path folder = scratch_folder("drive");
+  return folder;
 }
 
-double wrapped(double radians) {
-  return std::remainder(radians, 2 * std::numbers::pi);
-}
+class DriveOn : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Backends, DriveOn, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
 
-class Drive : public testing::TestWithParam<std::string> {
- protected:
-  /// The table that the command prints.
-  std::string table(const std::vector<std::string>& arguments) {
-    const Result result = palpa_here(with(with({"drive"}, arguments), {"--backend", GetParam(), "--csv", "-"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.err, "");
-    EXPECT_TRUE(result.out.starts_with("index,x,y,z,nx,ny,nz,amplitude,phase\n0,")) << result.out.substr(0, 80);
-    return result.out;
-  }
-  Rows csv(const std::vector<std::string>& arguments) {
-    std::istringstream text(table(arguments));
-    return read_rows(text);
-  }
-};
-
-// Wrapped -k r of 256 transducers by the Python package levitate, c = 343 m/s, 40 kHz. Its array is the same board in
-// another order, so transducers are matched by position.
-TEST_P(Drive, AgreesWithLevitate) {
-  PALPA_SHARED_OR_SKIP(folder, "acoustics-levitate");
-  std::ifstream positions_file(folder / "array16x16_positions.csv"), phases_file(folder / "phases_f0.csv");
-  const Rows positions = read_rows(positions_file), phases = read_rows(phases_file);
-  const Rows ours = csv({"--layout", "openmpd", "--focus", "0,0,0.15", "--sound-speed", "343"});
-  ASSERT_EQ(ours.size(), 256u);
-  ASSERT_EQ(positions.size(), 256u);
-  ASSERT_EQ(phases.size(), 256u);
-  double common = 0, worst = 0;
-  for (std::size_t i = 0; i < ours.size(); ++i) {
-    std::size_t match = 0, matches = 0;
-    for (std::size_t j = 0; j < positions.size(); ++j) {
-      const auto& p = positions[j];
-      if (std::hypot(p[0] - ours[i][1], p[1] - ours[i][2], p[2] - ours[i][3]) > 1e-6) continue;
-      match = j;
-      ++matches;
-    }
-    ASSERT_EQ(matches, 1u) << "transducer " << i;
-    const double difference = wrapped(ours[i][8] - phases[match][0]);
-    if (i == 0) common = difference;
-    worst = std::max(worst, std::abs(wrapped(difference - common)));
-  }
-  EXPECT_LE(worst, 5e-5);
-}
-
-TEST_P(Drive, OneFocusIsThePapersFormula) {
+TEST_P(DriveOn, OneFocusIsThePapersFormulaInTableAndReport) {
   const double c = 331.3 * std::sqrt(1 + 25 / 273.15), f = 41e3;
   const std::vector<double> focus{0.012, -0.034, 0.12};
-  const Rows rows =
-      csv({"--layout", "paper", "--focus", "12mm,-3.4cm,0.12", "--temperature", "25", "--frequency", "41kHz"});
+  const auto [table, rows, report, told] = drive_here(
+      {"--layout", "paper", "--focus", "12mm,-3.4cm,0.12", "--temperature", "25", "--frequency", "41kHz"}, GetParam());
   ASSERT_EQ(rows.size(), 3984u);
+  ASSERT_EQ(report["amplitudes"].size(), rows.size());
+  ASSERT_EQ(report["phases_rad"].size(), rows.size());
   double farthest = 0;
   const auto distance = [&](const auto& r) { return std::hypot(focus[0] - r[1], focus[1] - r[2], focus[2] - r[3]); };
   for (const auto& row : rows)
@@ -98,75 +48,29 @@ TEST_P(Drive, OneFocusIsThePapersFormula) {
     EXPECT_EQ(row[0], static_cast<double>(i));
     EXPECT_NEAR(std::hypot(row[4], row[5], row[6]), 1, 1e-9);
     EXPECT_NEAR(row[7], distance(row) / farthest, 1e-5);
-    EXPECT_NEAR(wrapped(row[8] + 2 * std::numbers::pi * f / c * distance(row)), 0, 5e-5) << i;
-    EXPECT_GT(row[8], -std::numbers::pi - 1e-6);
-    EXPECT_LE(row[8], std::numbers::pi + 1e-6);
+    const double turned = row[8] + 2 * std::numbers::pi * f / c * distance(row);
+    EXPECT_NEAR(std::remainder(turned, 2 * std::numbers::pi), 0, 5e-5) << i;
+    EXPECT_LE(std::abs(row[8]), std::numbers::pi + 1e-6);
+    EXPECT_EQ(report["amplitudes"][i].get<double>(), row[7]);
+    EXPECT_EQ(report["phases_rad"][i].get<double>(), row[8]);
   }
+  EXPECT_EQ(report["layout"], "paper");
+  EXPECT_EQ(report["transducers"], 3984);
+  EXPECT_NEAR(report["sound_speed_m_s"].get<double>(), c, 1e-3);
+  EXPECT_NEAR(report["frequency_hz"].get<double>(), f, 1e-3);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(report["foci_m"][0][axis].get<double>(), focus[axis], 1e-9);
 }
 
-TEST_P(Drive, SeveralFociAreTheirNormalisedSum) {
-  const std::vector<std::string> both{"--layout", "autd3", "--focus", "-20mm,0,0.15", "--focus", "0.02,10mm,0.14"};
-  const Rows sum = csv(both);
-  const Rows a = csv({"--layout", "autd3", "--focus", "-20mm,0,0.15"}),
-             b = csv({"--layout", "autd3", "--focus", "0.02,10mm,0.14"});
-  ASSERT_EQ(sum.size(), 249u);
-  std::vector<std::complex<double>> expected;
-  double largest = 0;
-  for (std::size_t i = 0; i < sum.size(); ++i) {
-    expected.push_back(std::polar(a[i][7], a[i][8]) + std::polar(b[i][7], b[i][8]));
-    largest = std::max(largest, std::abs(expected.back()));
-  }
-  for (std::size_t i = 0; i < sum.size(); ++i) {
-    EXPECT_LT(std::abs(std::polar(sum[i][7], sum[i][8]) - expected[i] / largest), 2e-4) << i;
-  }
-  const auto constrained = [&](const char* constraint) {
-    std::vector<std::string> line = both;
-    line.insert(line.end(), {"--constraint", constraint});
-    return csv(line);
-  };
-  for (const auto& row : constrained("uniform"))
-    EXPECT_EQ(row[7], 1);
-  const Rows clamped = constrained("clamp");
-  for (std::size_t i = 0; i < sum.size(); ++i)
-    EXPECT_NEAR(clamped[i][7], std::min(1.0, std::abs(expected[i])), 2e-4);
-  for (const auto& row : csv({"--layout", "autd3", "--focus", "0,0,0.1", "--amplitude", "uniform"}))
-    EXPECT_EQ(row[7], 1);
-}
-
-TEST_P(Drive, JsonSaysTheSameAsCsv) {
-  const Rows rows = csv({"--layout", "sonicsurface", "--focus", "0,0,0.1"});
-  const Result result =
-      palpa({"drive", "--layout", "sonicsurface", "--focus", "0,0,0.1", "--backend", GetParam(), "--json", "-"});
-  const json drive = json::parse(result.out);
-  EXPECT_EQ(drive["layout"], "sonicsurface");
-  EXPECT_EQ(drive["transducers"], 256);
-  EXPECT_NEAR(drive["sound_speed_m_s"].get<double>(), 343.21, 0.01);
-  EXPECT_EQ(drive["frequency_hz"], 40000);
-  EXPECT_EQ(drive["foci_m"], json::parse("[[0,0,0.1]]"));
-  ASSERT_EQ(drive["amplitudes"].size(), rows.size());
-  ASSERT_EQ(drive["phases_rad"].size(), rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    EXPECT_EQ(drive["amplitudes"][i].get<double>(), rows[i][7]);
-    EXPECT_EQ(drive["phases_rad"][i].get<double>(), rows[i][8]);
-  }
-}
-
-// The pressures that the report states, from the table that the same command prints.
-TEST_P(Drive, SolversServeSeveralFociAndSayHowWell) {
+// The pressures that the report states, from the table of the same command.
+TEST_P(DriveOn, SolversServeSeveralFociAndSayHowWell) {
   const std::vector<std::vector<double>> foci{{0, 0, 0}, {0.02, 0, 0.005}, {-0.01, 0.015, 0}, {0, -0.02, -0.01}};
   const std::vector<double> gains{1, 1, 0.5, 1};
-  const std::string file = scratch_folder("solved-" + GetParam()) / "table.csv";
   for (const std::string solver : {"naive", "gs-pat", "greedy"}) {
-    const std::vector<std::string> line{"--layout",      "paper",         "--focus",      "0,0,0",
-                                        "--focus",       "20mm,0,5mm",    "--focus",      "-10mm,15mm,0,0.5",
-                                        "--focus",       "0,-20mm,-10mm", "--solver",     solver,
-                                        "--directivity", "omni",          "--constraint", "uniform"};
-    const Result result = palpa_here(with({"drive", "--backend", GetParam(), "--csv", file, "--json", "-"}, line));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    std::ifstream stream(file);
-    const Rows rows = read_rows(stream);
-    ASSERT_EQ(rows.size(), 3984u);
-    const json report = json::parse(result.out);
+    const auto [table, rows, report, told] =
+        drive_here({"--layout", "paper", "--focus", "0,0,0", "--focus", "20mm,0,5mm", "--focus", "-10mm,15mm,0,0.5",
+                    "--focus", "0,-20mm,-10mm", "--solver", solver, "--directivity", "omni", "--constraint", "uniform"},
+                   GetParam());
     EXPECT_EQ(report["gains"], json(gains));
     ASSERT_EQ(report["pressures_pa"].size(), foci.size());
     const double k = 2 * std::numbers::pi * 40e3 / report["sound_speed_m_s"].get<double>();
@@ -188,27 +92,39 @@ TEST_P(Drive, SolversServeSeveralFociAndSayHowWell) {
   }
 }
 
-TEST_P(Drive, SaysWhichFociTheArrayDoesNotResolve) {
-  const auto report = [&](const std::string& layout, const std::string& second) {
-    return palpa_here({"drive", "--layout", layout, "--focus", "0,0,150mm", "--focus", second, "--backend", GetParam(),
-                       "--json", "-"});
+TEST(Drive, AmplitudesAreAsWeightingAndConstraintSay) {
+  const auto amplitudes = [](const std::vector<std::string>& more) {
+    std::vector<double> all;
+    for (const auto& row : drive_here(with({"--layout", "autd3", "--focus", "-20mm,0,0.15"}, more)).rows)
+      all.push_back(row[7]);
+    EXPECT_EQ(all.size(), 249u);
+    return all;
   };
-  EXPECT_EQ(json::parse(report("openmpd", "3mm,0,150mm").out)["unresolved_pairs"], json::parse("[[0,1]]"));
-  EXPECT_EQ(json::parse(report("openmpd", "15mm,0,150mm").out)["unresolved_pairs"], json::array());
-  // One behind the other is harder to tell apart than one beside the other.
-  EXPECT_EQ(json::parse(report("openmpd", "0,0,158mm").out)["unresolved_pairs"], json::parse("[[0,1]]"));
-  const Result told = palpa_here(
-      {"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--focus", "3mm,0,150mm", "--backend", GetParam()});
-  EXPECT_NE(told.out.find("1 pair of foci closer than this array resolves"), std::string::npos) << told.out;
+  const std::vector<std::string> second{"--focus", "0.02,10mm,0.14"};
+  const std::vector<double> shares = amplitudes(second), clamped = amplitudes(with(second, {"--constraint", "clamp"}));
+  EXPECT_NEAR(std::ranges::max(shares), 1, 1e-6);
+  // Amplitudes of the sum itself, at most 1, where shares are those of the largest.
+  double largest = 0, below = 0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (clamped[i] < below || clamped[i] > 0.9) continue;
+    below = clamped[i];
+    largest = clamped[i] / shares[i];
+  }
+  EXPECT_GT(largest, 1.2);
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    EXPECT_NEAR(clamped[i], std::min(1.0, largest * shares[i]), 1e-3) << i;
+  EXPECT_EQ(std::ranges::min(amplitudes(with(second, {"--constraint", "uniform"}))), 1);
+  EXPECT_EQ(std::ranges::min(amplitudes({"--amplitude", "uniform"})), 1);
 }
 
-TEST_P(Drive, TheSameBytesForAnyThreadCount) {
-  const std::vector<std::string> line{"drive",    "--layout", "paper", "--focus",   "0,0,0.03", "--focus",
-                                      "0.01,0,0", "--csv",    "-",     "--backend", GetParam()};
-  RunOptions one, two;
-  one.environment = {{"LP_NUM_THREADS", "1"}};
-  two.environment = {{"LP_NUM_THREADS", "2"}};
-  EXPECT_EQ(palpa(line, one).out, palpa(line, two).out);
+TEST(Drive, SaysWhichFociTheArrayDoesNotResolve) {
+  // One behind the other is harder to tell apart than one beside the other.
+  for (const auto& [second, resolved] :
+       {std::pair("3mm,0,150mm", false), std::pair("15mm,0,150mm", true), std::pair("0,0,158mm", false)}) {
+    const Driven got = drive_here({"--layout", "openmpd", "--focus", "0,0,150mm", "--focus", second});
+    EXPECT_EQ(got.report["unresolved_pairs"], json::parse(resolved ? "[]" : "[[0,1]]")) << second;
+    EXPECT_EQ(got.told.find("1 pair of foci closer than this array resolves") == std::string::npos, resolved);
+  }
 }
 
 /// The focus as a word of --focus, exactly.
@@ -219,87 +135,63 @@ std::string word(double x, double y, double z, double gain = 1) {
   if (gain != 1) text << ',' << gain;
   return text.str();
 }
-/// A coordinate of a touch: the decimal of a float.
-double metres(const json& value) {
-  return value.get<float>();
+
+/// The drives of both lines have the same bytes.
+void expect_same(const std::vector<std::string>& touching, const std::vector<std::string>& aimed) {
+  EXPECT_TRUE(drive_here(touching).table == drive_here(aimed).table)
+      << testing::PrintToString(touching) << " and " << testing::PrintToString(aimed);
 }
 
-TEST_P(Drive, ASlotOfATouchIsItsFocusMovedIntoTheLayout) {
-  const auto folder = scratch_folder("touch-" + GetParam());
-  const std::string file = (folder / "touch.json").string();
-  ASSERT_EQ(palpa_here({"touch", "--scene", source_file("assets/cube.glb").string(), "--points",
-                        source_file("assets/finger.ply").string(), "--penetration", "3mm", "--json", file, "--backend",
-                        "cpu"})
+TEST(Drive, ASlotOfATouchIsItsFocusMovedIntoTheLayout) {
+  const std::string file = folder() / "touch.json", rig = folder() / "rig.toml";
+  ASSERT_EQ(palpa_here({"touch", "--scene", source_file("assets/cube.glb"), "--points",
+                        source_file("assets/finger.ply"), "--penetration", "3mm", "--json", file, "--backend", "cpu"})
                 .exit_code,
             0);
-  const json touch = json::parse(std::ifstream(file));
-  const json& foci = touch["fingers"][0]["foci_m"];
+  const json touch = json::parse(read_text(file));
+  const json& focus = touch["fingers"][0]["foci_m"].at(touch["schedule"]["order"].at(3).get<std::size_t>());
+  // Coordinates of a touch are decimals of floats.
+  const double x = focus[0].get<float>(), y = focus[1].get<float>(), z = focus[2].get<float>();
   // The board lies 150 mm below the world's origin and faces up; the rig has it elsewhere, turned about its y axis.
-  std::ofstream(folder / "rig.toml") << "[array]\nlayout = \"openmpd\"\nT_world_layout = [[0, 0, 1, -0.2], [0, 1, 0, "
-                                        "0.01], [-1, 0, 0, 0.02], [0, 0, 0, 1]]\n";
-  const std::string rig = (folder / "rig.toml").string();
-  for (const std::size_t slot : {0, 3, 9}) {
-    const json& focus = foci.at(touch["schedule"]["order"].at(slot).get<std::size_t>());
-    const double x = metres(focus[0]), y = metres(focus[1]), z = metres(focus[2]);
-    const std::string number = std::to_string(slot);
-    const auto expect_same = [&](const std::vector<std::string>& touching, const std::vector<std::string>& aimed) {
-      EXPECT_TRUE(table(with(touching, {"--touch", file, "--slot", number})) == table(aimed))
-          << testing::PrintToString(aimed) << " in slot " << slot;
-    };
-    expect_same({"--layout", "openmpd"}, {"--layout", "openmpd", "--focus", word(x, -z, y + 0.15)});
-    expect_same({"--rig", rig}, {"--layout", "openmpd", "--focus", word(-(z - 0.02), y - 0.01, x + 0.2)});
-    expect_same({"--layout", "paper", "--rig", rig}, {"--layout", "paper", "--focus", word(x, y, z)});
-  }
-  EXPECT_TRUE(table({"--layout", "paper", "--touch", file}) ==
-              table({"--layout", "paper", "--touch", file, "--slot", "0"}));
+  write_text(rig,
+             "[array]\nlayout = \"openmpd\"\n"
+             "T_world_layout = [[0, 0, 1, -0.2], [0, 1, 0, 0.01], [-1, 0, 0, 0.02], [0, 0, 0, 1]]\n");
+  const std::vector<std::string> slot{"--touch", file, "--slot", "3"};
+  expect_same(with(slot, {"--layout", "openmpd"}), {"--layout", "openmpd", "--focus", word(x, -z, y + 0.15)});
+  expect_same(with(slot, {"--rig", rig}), {"--layout", "openmpd", "--focus", word(-(z - 0.02), y - 0.01, x + 0.2)});
+  expect_same(with(slot, {"--layout", "paper", "--rig", rig}), {"--layout", "paper", "--focus", word(x, y, z)});
 }
 
-TEST_P(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
-  const std::string file = (scratch_folder("fingers-" + GetParam()) / "touch.json").string();
+TEST(Drive, EveryFingerOfATouchSoundsAsLoudAsItIs) {
+  const std::string file = folder() / "fingers.json";
+  const std::vector<std::string> paper{"--layout", "paper"};
   // An empty sector plays its neighbour; the second finger has half the intensity and an order of its own, twice as
   // slow; the third stands still, the fourth is silent.
-  std::ofstream(file) << R"({"fingers": [
+  write_text(file, R"({"fingers": [
     {"foci_m": [[0, 0, 0], [0.01, 0, 0], null, [0, 0.01, 0]]},
     {"foci_m": [[0.03, 0, 0], [0.04, 0, 0]], "gain": 0.5, "schedule": {"order": [1, 0], "dwell_s": 0.003}},
     {"foci_m": [[0, 0, 0.03]]}, {"foci_m": [[0, 0, 0.05]], "gain": 0}],
-    "schedule": {"order": [0, 3, 2, 1], "dwell_s": 0.0015}})";
+    "schedule": {"order": [0, 3, 2, 1], "dwell_s": 0.0015}})");
   const std::string still = word(0, 0, 0.03F), first = word(0.03F, 0, 0, 0.5), second = word(0.04F, 0, 0, 0.5);
   const std::pair<std::string, std::string> slots[]{
       {word(0, 0, 0), second}, {word(0, 0.01F, 0), second}, {word(0.01F, 0, 0), first}, {word(0.01F, 0, 0), first}};
   for (std::size_t slot = 0; slot < std::size(slots); ++slot) {
-    EXPECT_TRUE(
-        table({"--layout", "paper", "--touch", file, "--slot", std::to_string(slot)}) ==
-        table({"--layout", "paper", "--focus", slots[slot].first, "--focus", slots[slot].second, "--focus", still}))
-        << slot;
+    expect_same(with(paper, {"--touch", file, "--slot", std::to_string(slot)}),
+                with(paper, {"--focus", slots[slot].first, "--focus", slots[slot].second, "--focus", still}));
   }
+  expect_same(with(paper, {"--touch", file}), with(paper, {"--touch", file, "--slot", "0"}));
   expect_failure(palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "4"}), 2,
                  "--slot: 4 does not exist: " + file + " has the slots 0 to 3");
   // All at once: no neighbour takes an empty sector's place, and the solver is the one of multi-focus.
-  std::ofstream(file) << R"({"fingers": [{"foci_m": [[0, 0, 0], null, [0.01, 0, 0]]}],
-    "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})";
-  const auto by = [&](const std::string& solver, const std::vector<std::string>& foci) {
-    return table(with(with({"--layout", "paper"}, foci), {"--solver", solver}));
-  };
-  const std::vector<std::string> alike{"--focus", "0,0,0", "--focus", word(0.01F, 0, 0)};
-  const std::string gs_pat = by("gs-pat", alike), naive = by("naive", alike);
-  EXPECT_TRUE(by("gs-pat", {"--touch", file}) == gs_pat);
-  EXPECT_TRUE(by("naive", {"--touch", file}) == naive);
-  EXPECT_TRUE(table({"--layout", "paper", "--touch", file}) == gs_pat);
-  EXPECT_FALSE(gs_pat == naive);
+  write_text(file, R"({"fingers": [{"foci_m": [[0, 0, 0], null, [0.01, 0, 0]]}],
+    "schedule": {"order": [[0, 1, 2]], "dwell_s": 0.0015}})");
+  const std::vector<std::string> touching = with(paper, {"--touch", file}),
+                                 aimed = with(paper, {"--focus", "0,0,0", "--focus", word(0.01F, 0, 0)});
+  const std::string gs_pat = drive_here(touching).table;
+  EXPECT_TRUE(drive_here(with(aimed, {"--solver", "gs-pat"})).table == gs_pat);
+  EXPECT_FALSE(drive_here(aimed).table == gs_pat);
+  expect_same(with(touching, {"--solver", "naive"}), aimed);
   expect_failure(palpa_here({"drive", "--layout", "paper", "--touch", file, "--slot", "1"}), 2, "has one slot, 0");
-}
-
-INSTANTIATE_TEST_SUITE_P(Backends, Drive, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
-
-TEST(DriveLayouts, EveryBuiltInOneHasItsTransducers) {
-  const std::pair<const char*, std::size_t> layouts[]{
-      {"autd3", 249}, {"paper", 3984}, {"openmpd", 256}, {"openmpd-pair", 512}, {"sonicsurface", 256}};
-  for (const auto& [name, count] : layouts) {
-    const Result result =
-        palpa_here({"drive", "--layout", name, "--focus", "0,0,0.1", "--backend", "cpu", "--json", "-"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(json::parse(result.out)["amplitudes"].size(), count) << name;
-  }
 }
 
 TEST(DriveShaders, AreCompiledOnceForAnyNumberOfFociAndTransducers) {
@@ -322,78 +214,84 @@ TEST(DriveShaders, AreCompiledOnceForAnyNumberOfFociAndTransducers) {
   EXPECT_EQ(compiled("paper", 7), first);
 }
 
-TEST(DriveErrors, FociThatCannotBe) {
-  const auto refused = [](const char* focus, const char* part) {
-    expect_failure(palpa_here({"drive", "--layout", "openmpd", "--focus", focus, "--backend", "cpu"}), 2, part);
-  };
-  for (const char* text :
-       {"0,0", "0,0,0,0", "a,b,c", "0,0,nan", "0,0,inf", "0,0,1e999", "0;0;0", ",,", "0,0,0.1kHz", "0, 0, 0.1"}) {
-    refused(text, "x,y,z");
+TEST(Drive, RefusesFociThatCannotBe) {
+  const std::vector<std::pair<std::string, std::vector<const char*>>> wrong{
+      {"x,y,z",
+       {"0,0", "0,0,0,0", "a,b,c", "0,0,nan", "0,0,inf", "0,0,1e999", "0;0;0", ",,", "0,0,0.1kHz", "0, 0, 0.1"}},
+      {"at most 1", {"0,0,0.1,1.5", "0,0,0.1,-1", "0,0,0.1,nan", "0,0,0.1,", "0,0,0.1,1mm"}},
+      {"100 m", {"0,0,1e6"}},
+      {"transducer 0", {"-78.75mm,78.75mm,0"}}};
+  for (const auto& [part, foci] : wrong) {
+    for (const char* focus : foci)
+      expect_failure(palpa_here({"drive", "--layout", "openmpd", "--focus", focus, "--backend", "cpu"}), 2, part);
   }
-  for (const char* text : {"0,0,0.1,1.5", "0,0,0.1,-1", "0,0,0.1,nan", "0,0,0.1,", "0,0,0.1,1mm"})
-    refused(text, "at most 1");
-  refused("0,0,1e6", "100 m");
-  refused("-78.75mm,78.75mm,0", "transducer 0");
 }
 
-TEST(DriveErrors, TouchesThatCannotBe) {
-  const std::string file = (scratch_folder("no-touch") / "touch.json").string();
-  const auto refused = [&](const std::string& text, const std::string& part) {
-    std::ofstream(file) << text;
-    expect_failure(palpa_here({"drive", "--layout", "paper", "--backend", "cpu", "--touch", file}), 4, part);
-  };
-  const auto touch = [](const std::string& fingers, const std::string& order) {
-    return R"({"fingers": [)" + fingers + R"(], "schedule": {"order": )" + order + R"(, "dwell_s": 0.0015}})";
-  };
-  const std::string finger = R"({"foci_m": [[0, 0, 0], [0.01, 0, 0]]})";
-  for (const char* text : {"[]", "3", "{}", R"({"fingers": [], "foci_m": []})", R"({"fingers": 3, "schedule": {}})"})
-    refused(text, file + ": is not a touch: give a file that palpa touch --json wrote");
-  refused("{", "syntax error at line 1");
-  refused(touch("", "[0]"), "the touch has no finger");
-  refused(touch("7", "[0]"), "finger 0: is not a JSON object");
-  std::string many = finger;
+std::string touch_of(const std::string& fingers, const std::string& order) {
+  return R"({"fingers": [)" + fingers + R"(], "schedule": {"order": )" + order + R"(, "dwell_s": 0.0015}})";
+}
+const std::string two_foci = R"({"foci_m": [[0, 0, 0], [0.01, 0, 0]]})";
+
+TEST(Drive, RefusesFilesThatAreNoTouch) {
+  const std::string file = folder() / "bad.json", foreign = file + ": is not a touch: give a file that palpa touch";
+  std::string many = two_foci;
   for (int more = 0; more < 64; ++more)
-    many += "," + finger;
-  refused(touch(many, "[0, 1]"), "the touch has 65 fingers; palpa touch writes at most 64");
-  refused(touch(finger, "[]"), "schedule: \"order\" is missing");
-  refused(touch(finger, "[0, -1]"), "\"order\" must be numbers of foci");
-  refused(touch(finger, "[[0], [1]]"), "several slots of several foci");
-  refused(touch(finger, "[0, 2]"), "finger 0: its order plays focus 2 of 2 foci");
-  refused(touch(finger, "[[0, 2]]"), "finger 0: its order plays focus 2 of 2 foci");
-  refused(touch("{}", "[0]"), "finger 0: \"foci_m\" must be a list");
-  refused(touch(R"({"foci_m": [null, null]})", "[0]"), "finger 0: \"foci_m\" has no focus");
-  refused(touch(R"({"foci_m": [[0, 0]]})", "[0]"), "\"foci_m\" must be places of three numbers");
-  refused(touch(R"({"foci_m": [[0, 0, 1e7]]})", "[0]"), "\"foci_m\" must be places of three numbers");
-  refused(touch(R"({"foci_m": [[0, 0, 0]], "gain": 2})", "[0]"), "\"gain\" must be a number in 0 to 1");
-  refused(touch(R"({"foci_m": [[0, 0, 0]], "asked_pa": 100001})", "[0]"), "\"asked_pa\" must be a number in 0 to");
-  refused(touch(R"({"foci_m": [[0, 0, 0]], "asked_pa": "5 kPa"})", "[0]"), "\"asked_pa\" must be a number in 0 to");
-  refused(touch(R"({"foci_m": [[0, 0, 0]], "gain": 0})", "[0]"), "every finger of this touch is silent");
-  refused(R"({"fingers": [{}], "schedule": {"order": [0], "dwell_s": 0}})",
-          "\"dwell_s\" must be a number in 1e-06 to 10");
-
-  std::ofstream(file) << touch(finger, "[0, 1]");
-  const auto usage = [](const std::vector<std::string>& line, const std::string& part) {
-    expect_failure(palpa_here(with({"drive", "--backend", "cpu"}, line)), 2, part);
-  };
-  usage({"--layout", "paper", "--touch", file, "--focus", "0,0,0"}, "--focus and --touch exclude each other");
-  usage({"--touch", file}, "--touch needs an array: give --layout, or the --rig");
-  usage({"--layout", "paper", "--focus", "0,0,0", "--slot", "1"}, "--slot goes with --touch");
-  usage({"--layout", "paper", "--focus", "0,0,0", "--rig", "r.toml"}, "--rig goes with --touch");
-  usage({"--layout", "paper", "--touch", file, "--json", file}, "is read by this command");
-  std::ofstream(file) << touch(R"({"foci_m": [[0, 0, 0]]}, {"foci_m": [[0, 0, 0]], "asked_pa": 500})", "[0]");
-  const std::string who = "finger 1 of " + file + " asks for a pressure";
-  usage({"--layout", "paper", "--touch", file, "--constraint", "normalise"}, "--constraint: " + who);
-  usage({"--layout", "paper", "--touch", file, "--solver", "greedy"}, "--solver greedy: " + who);
+    many += "," + two_foci;
+  const auto one = [](const std::string& keys) { return touch_of("{" + keys + "}", "[0]"); };
+  const std::pair<std::string, std::string> wrong[]{
+      {"[]", foreign},
+      {"3", foreign},
+      {"{}", foreign},
+      {R"({"fingers": [], "foci_m": []})", foreign},
+      {R"({"fingers": 3, "schedule": {}})", foreign},
+      {"{", "syntax error at line 1"},
+      {touch_of("", "[0]"), "the touch has no finger"},
+      {touch_of("7", "[0]"), "finger 0: is not a JSON object"},
+      {touch_of(many, "[0, 1]"), "the touch has 65 fingers; palpa touch writes at most 64"},
+      {touch_of(two_foci, "[]"), "schedule: \"order\" is missing"},
+      {touch_of(two_foci, "[0, -1]"), "\"order\" must be numbers of foci"},
+      {touch_of(two_foci, "[[0], [1]]"), "several slots of several foci"},
+      {touch_of(two_foci, "[0, 2]"), "finger 0: its order plays focus 2 of 2 foci"},
+      {touch_of(two_foci, "[[0, 2]]"), "finger 0: its order plays focus 2 of 2 foci"},
+      {R"({"fingers": [{}], "schedule": {"order": [0], "dwell_s": 0}})", "\"dwell_s\" must be a number in 1e-06 to 10"},
+      {one(""), "finger 0: \"foci_m\" must be a list"},
+      {one(R"("foci_m": [null, null])"), "finger 0: \"foci_m\" has no focus"},
+      {one(R"("foci_m": [[0, 0]])"), "\"foci_m\" must be places of three numbers"},
+      {one(R"("foci_m": [[0, 0, 1e7]])"), "\"foci_m\" must be places of three numbers"},
+      {one(R"("foci_m": [[0, 0, 0]], "gain": 2)"), "\"gain\" must be a number in 0 to 1"},
+      {one(R"("foci_m": [[0, 0, 0]], "asked_pa": 100001)"), "\"asked_pa\" must be a number in 0 to"},
+      {one(R"("foci_m": [[0, 0, 0]], "asked_pa": "5 kPa")"), "\"asked_pa\" must be a number in 0 to"},
+      {one(R"("foci_m": [[0, 0, 0]], "gain": 0)"), "every finger of this touch is silent"}};
+  for (const auto& [text, part] : wrong) {
+    write_text(file, text);
+    expect_failure(palpa_here({"drive", "--layout", "paper", "--backend", "cpu", "--touch", file}), 4, part);
+  }
 }
 
-TEST(DriveErrors, WhatIsMissing) {
-  expect_failure(palpa_here({"drive", "--focus", "0,0,0.1"}), 2, "--layout");
-  expect_failure(palpa_here({"drive", "--layout", "openmpd"}), 2, "--focus");
-  expect_failure(palpa_here({"drive", "--layout", "no such layout", "--focus", "0,0,0.1"}), 4, "openmpd-pair");
-  expect_failure(palpa_here({"drive", "--layout", "/dev/null", "--focus", "0,0,0.1"}), 4, "/dev/null");
-  expect_failure(
-      palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--temperature", "20", "--sound-speed", "343"}),
-      2, "--sound-speed");
+TEST(Drive, RefusesLinesThatCannotBe) {
+  const std::string file = folder() / "good.json", loud = folder() / "loud.json";
+  write_text(file, touch_of(two_foci, "[0, 1]"));
+  write_text(loud, touch_of(R"({"foci_m": [[0, 0, 0]]}, {"foci_m": [[0, 0, 0]], "asked_pa": 500})", "[0]"));
+  const std::string who = "finger 1 of " + loud + " asks for a pressure";
+  const struct {
+    std::vector<std::string> arguments;
+    int code;
+    std::string part;
+  } wrong[]{
+      {{"--focus", "0,0,0.1"}, 2, "--layout"},
+      {{"--layout", "openmpd"}, 2, "--focus"},
+      {{"--layout", "no such layout", "--focus", "0,0,0.1"}, 4, "openmpd-pair"},
+      {{"--layout", "/dev/null", "--focus", "0,0,0.1"}, 4, "/dev/null"},
+      {{"--layout", "openmpd", "--focus", "0,0,0.1", "--temperature", "20", "--sound-speed", "343"},
+       2,
+       "--sound-speed"},
+      {{"--touch", file}, 2, "--touch needs an array: give --layout, or the --rig"},
+      {{"--layout", "paper", "--touch", file, "--json", file}, 2, "is read by this command"},
+      {{"--layout", "paper", "--touch", loud, "--constraint", "normalise"}, 2, "--constraint: " + who},
+      {{"--layout", "paper", "--touch", loud, "--solver", "greedy"}, 2, "--solver greedy: " + who},
+  };
+  for (const auto& [arguments, code, part] : wrong)
+    expect_failure(palpa_here(with({"drive", "--backend", "cpu"}, arguments)), code, part);
 }
 
 }  // namespace

@@ -1,20 +1,20 @@
-// The loudness of foci: `palpa touch --layout`, and the requested pressure, in the real program.
+// The loudness of foci: `palpa touch --layout`, the requested pressure, and what a run's or an export's drives give.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "array/directivity.hpp"
 #include "array/layouts/board_mesh.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/medium.hpp"
 #include "cli/support/boxes.hpp"
+#include "cli/support/cube_touch.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
@@ -23,31 +23,15 @@
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/links/record_link.hpp"
+#include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
-#include "support/side_by_side.hpp"
-#include "support/udp_receiver.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
 
 using nlohmann::json;
-
-std::string asset(const std::string& name) {
-  return source_file("assets/" + name).string();
-}
-
-std::vector<std::string> touch(const std::vector<std::string>& more) {
-  return with({"touch", "--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "3mm",
-               "--backend", "cpu"},
-              more);
-}
-
-json document(const std::vector<std::string>& more) {
-  const Result result = palpa_here(with(touch(more), {"--json", "-"}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return json::parse(result.out);
-}
 
 array::Layout posed(const std::string& name) {
   const array::Layout layout = array::load_layout(name);
@@ -71,46 +55,38 @@ double alone_pa(const array::Layout& layout, const Vec3& focus) {
   return layout.source_level_pa_m * sum;
 }
 
-TEST(CliPressure, ATouchTellsWhatAnArrayGivesAtItsFoci) {
-  const json bare = document({});
-  EXPECT_FALSE(bare["fingers"][0].contains("pressure_pa"));
-  for (const std::string name : {"paper", "openmpd"}) {
-    const array::Layout layout = posed(name);
-    const json finger = document({"--layout", name})["fingers"][0];
-    EXPECT_EQ(finger["foci_m"], bare["fingers"][0]["foci_m"]);
-    const auto pressures = finger["pressures_pa"].get<std::vector<double>>();
-    ASSERT_EQ(pressures.size(), 10u);
-    for (std::size_t j = 0; j < pressures.size(); ++j) {
-      const double expected = alone_pa(layout, point(finger["foci_m"][j]));
-      EXPECT_NEAR(pressures[j], expected, 1e-4 * expected) << name << " focus " << j;
-    }
-    EXPECT_EQ(finger["pressure_pa"], *std::ranges::min_element(pressures));
-  }
-}
-
-TEST(CliPressure, OfAnEmptySectorThereIsNone) {
+TEST(CliPressure, ATouchTellsWhatAnArrayGivesAtItsFociAndNoneOfAnEmptySector) {
+  EXPECT_FALSE(touch_report(cube_touch({}))["fingers"][0].contains("pressure_pa"));
+  const array::Layout layout = posed("openmpd");
   // A pyramid's point in a fingertip: half of the narrow sectors have no contacts.
-  const Result result =
-      palpa_here({"touch", "--scene", asset("pyramid.glb"), "--points", asset("finger.ply"), "--penetration", "3mm",
-                  "--backend", "cpu", "--layout", "openmpd", "--foci", "40", "--min-points", "1", "--json", "-"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const json touched = json::parse(result.out);
+  const json touched =
+      touch_report({"touch", "--scene", asset("pyramid.glb"), "--points", asset("finger.ply"), "--penetration", "3mm",
+                    "--backend", "cpu", "--layout", "openmpd", "--foci", "40", "--min-points", "1"});
   ASSERT_EQ(touched["fingers"].size(), 1u);
-  const json& finger = touched["fingers"][0];
-  ASSERT_EQ(finger["pressures_pa"].size(), 40u);
+  const json &foci = touched["fingers"][0]["foci_m"], &pressures = touched["fingers"][0]["pressures_pa"];
+  ASSERT_EQ(pressures.size(), 40u);
+  double least = 1e9;
   std::size_t empty = 0;
   for (std::size_t j = 0; j < 40; ++j) {
-    EXPECT_EQ(finger["pressures_pa"][j].is_null(), finger["foci_m"][j].is_null());
-    empty += finger["foci_m"][j].is_null() ? 1 : 0;
+    ASSERT_EQ(pressures[j].is_null(), foci[j].is_null()) << j;
+    if (foci[j].is_null()) {
+      ++empty;
+      continue;
+    }
+    const double expected = alone_pa(layout, point(foci[j]));
+    EXPECT_NEAR(pressures[j].get<double>(), expected, 1e-4 * expected) << j;
+    least = std::min(least, pressures[j].get<double>());
   }
-  ASSERT_GT(empty, 0u);
-  ASSERT_LT(empty, 40u);
+  EXPECT_TRUE(empty > 0 && empty < 40) << empty;
+  EXPECT_EQ(touched["fingers"][0]["pressure_pa"], least);
 }
 
-/// Fingers at rest, tips at these places, before the paper's rig: a recording of twelve frames without noise.
-std::string film(const std::string& name, const std::vector<Vec3>& tips) {
-  const std::filesystem::path folder = scratch_folder("pressure-" + name) / "take";
-  const geometry::Ply ply = geometry::read_ply(source_file("assets/finger.ply"));
+const Vec3 left_tip(-0.015, -3e-3, 0), right_tip(0.015, -3e-3, 0);
+
+/// Fingers at rest, tips at these places, before the paper's rig: a recording of three frames without noise.
+std::string film(const std::vector<Vec3>& tips) {
+  const std::filesystem::path folder = scratch_folder("film-of-" + std::to_string(tips.size())) / "take";
+  const geometry::Ply ply = geometry::read_ply(asset("finger.ply"));
   const geometry::Mesh finger{ply.positions, ply.triangles};
   sensing::SyntheticRig cameras(sensing::load_rig(asset("rigs/paper.toml")).cameras, array::board_mesh(posed("paper")),
                                 sensing::Noise::none, 1);
@@ -123,30 +99,22 @@ std::string film(const std::string& name, const std::vector<Vec3>& tips) {
   }
   sensing::FrameSet set;
   cameras.render(hand, 0, set);
-  for (int frame = 0; frame < 12; ++frame) {
+  for (int frame = 0; frame < 3; ++frame) {
     set.sequence = static_cast<std::uint64_t>(frame);
     set.time_s = frame / 90.0;
     for (sensing::DepthFrame& image : set.frames)
       image.time_s = set.time_s;
     writer.write(set);
   }
-  return folder.string();
-}
-
-const Vec3 left_tip(-0.015, -3e-3, 0), right_tip(0.015, -3e-3, 0);
-
-/// Recordings of one finger and of two fingers, each made once.
-const std::string& film_of_one() {
-  static const std::string take = film("one", {left_tip});
-  return take;
+  return "recording:" + folder.string();
 }
 const std::string& film_of_two() {
-  static const std::string take = film("two", {left_tip, right_tip});
+  static const std::string take = film({left_tip, right_tip});
   return take;
 }
 
 /// Two boxes side by side, tops at y = 0, 30 mm from middle to middle, each as its haptics say.
-std::string two_boxes(const std::string& name, const geometry::Haptics& left, const geometry::Haptics& right) {
+std::string two_boxes(const geometry::Haptics& left, const geometry::Haptics& right) {
   std::vector<geometry::SceneMesh> meshes;
   for (const double side : {-1.0, 1.0}) {
     meshes.push_back(make_box({.name = side < 0 ? "left" : "right",
@@ -158,40 +126,36 @@ std::string two_boxes(const std::string& name, const geometry::Haptics& left, co
                                .depth = 0.03}));
     meshes.back().haptics = side < 0 ? left : right;
   }
-  const std::string file = (scratch_folder("pressure-scene-" + name) / "boxes.glb").string();
+  const std::string file = (scratch_folder("pressure-scene") / "boxes.glb").string();
   geometry::write_glb(file, meshes);
   return file;
 }
 
-/// What `palpa run` plays to a still hand: the fingers of its newest line of foci, its drives, its stats.
+/// What is exported of still fingers: those of the newest frame of foci, the drives, the stats, the summary, the
+/// warnings of pressures.
 struct Played {
   json fingers, stats;
   session::DriveRecording drives;
+  std::string told;
   std::vector<std::string> warnings;
 };
 
 Played play(const std::string& scene, const std::string& take, const std::vector<std::string>& more) {
-  const std::filesystem::path file = scratch_folder("pressure-drives") / "drives.bin";
-  // A long hold, so that frames that a slow machine plays late still sound.
-  const auto run = [&](const std::string& link) {
-    const Result result = palpa(with({"run", "--scene", scene, "--source", "recording:" + take, "--every-frame",
-                                      "--hold", "1s", "--json", "-", "--link", link},
-                                     more));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result;
-  };
-  Played played;
-  const UdpReceiver receiver(std::chrono::milliseconds(50));  // the sender has ended before the first read
-  Result result;
-  side_by_side({[&] { result = run("record:" + file.string()); }, [&] { run("foci:" + receiver.address()); }});
-  // A slow machine may also have a warning that frames come late.
-  played.warnings = result.err_lines();
+  const auto folder = scratch_folder("pressure-played");
+  const std::string foci = folder / "foci.json", drives = folder / "drives.bin";
+  const Result result = palpa_here(with({"export", "--scene", scene, "--source", take, "--foci", foci, "--drives",
+                                         drives, "--json", folder / "stats.json"},
+                                        more));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  Played played{.fingers = {},
+                .stats = json::parse(read_text(folder / "stats.json")),
+                .drives = session::read_drive_recording(drives),
+                .told = result.out,
+                .warnings = result.err_lines()};
   std::erase_if(played.warnings, [](const std::string& line) { return line.find(" Pa of the ") == std::string::npos; });
-  played.stats = json::parse(result.out);
-  played.drives = session::read_drive_recording(file);
-  for (std::string text; !(text = receiver.next()).empty();) {
-    const json line = json::parse(text);
-    if (!line["fingers"].empty()) played.fingers = line["fingers"];
+  const json frames = json::parse(read_text(foci))["frames"];
+  for (const json& frame : frames) {
+    if (!frame["fingers"].empty()) played.fingers = frame["fingers"];
   }
   return played;
 }
@@ -211,12 +175,21 @@ double pressure_of(const array::Layout& layout, const array::Drive& drive, const
   return layout.source_level_pa_m * std::abs(sum);
 }
 
+/// The slots in which something sounds.
+std::vector<session::RecordedDrive> sounding(const Played& played) {
+  std::vector<session::RecordedDrive> loud = played.drives.drives;
+  std::erase_if(loud, [](const session::RecordedDrive& one) {
+    return std::ranges::all_of(one.drive, [](const auto& transducer) { return transducer.amplitude == 0; });
+  });
+  EXPECT_FALSE(loud.empty());
+  return loud;
+}
+
 /// The least and the most that one finger's focus has in the slots in which it sounds.
 std::pair<double, double> heard(const array::Layout& layout, const Played& played, std::size_t finger) {
   const json& f = played.fingers.at(finger);
   double least = 1e9, most = 0;
-  for (const auto& [slot, drive] : played.drives.drives) {
-    if (std::ranges::all_of(drive, [](const auto& transducer) { return transducer.amplitude == 0; })) continue;
+  for (const auto& [slot, drive] : sounding(played)) {
     const auto& step = f["order"][slot % f["order"].size()];
     for (const auto& focus : step.is_array() ? step : json::array({step})) {
       const double pressure = pressure_of(layout, drive, point(f["foci_m"][focus.get<std::size_t>()]));
@@ -234,107 +207,80 @@ void expect_heard(const array::Layout& layout, const Played& played, std::size_t
   EXPECT_NEAR(played.fingers[finger]["pressure_pa"], pascals, 0.01 * pascals);
 }
 
-TEST(CliPressure, AFingerHasItInEverySlot) {
-  const Played alone = play(two_boxes("plain", {}, {}), film_of_one(), {"--backend", "cpu", "--pressure", "8kPa"});
-  ASSERT_EQ(alone.fingers.size(), 1u);
-  expect_heard(posed("paper"), alone, 0, 8e3);
-}
-
 class PressureOn : public testing::TestWithParam<std::string> {};
-std::string backend_of(const testing::TestParamInfo<std::string>& info) {
-  return info.param;
-}
-INSTANTIATE_TEST_SUITE_P(Backends, PressureOn, testing::Values("cpu", "gpu"), backend_of);
+INSTANTIATE_TEST_SUITE_P(Backends, PressureOn, testing::Values("cpu", "gpu"),
+                         [](const auto& test) { return test.param; });
 
 TEST_P(PressureOn, TwoFingersEachHaveWhatOneAloneHas) {
-  const Played both = play(two_boxes("plain", {}, {}), film_of_two(), {"--backend", GetParam(), "--pressure", "8kPa"});
+  const Played both = play(two_boxes({}, {}), film_of_two(), {"--backend", GetParam(), "--pressure", "8kPa"});
   ASSERT_EQ(both.fingers.size(), 2u);
   for (const std::size_t finger : {0u, 1u})
     expect_heard(posed("paper"), both, finger, 8e3);
   EXPECT_EQ(both.warnings, std::vector<std::string>{});
-  ASSERT_EQ(both.stats["fingers"].size(), 2u);
-  EXPECT_EQ(both.stats["fingers"][0]["solid"], "left");
-  EXPECT_NEAR(both.stats["fingers"][0]["pressure_pa"]["least"], 8e3, 80);
 }
 
-TEST(CliPressure, LeftOutTheSecondFingerTakesFromTheFirstAndNothingIsToldOfPressures) {
-  const array::Layout layout = posed("paper");
-  const Played loud = play(two_boxes("plain", {}, {}), film_of_two(), {"--backend", "cpu"});
-  ASSERT_EQ(loud.fingers.size(), 2u);
-  EXPECT_FALSE(loud.fingers[0].contains("pressure_pa"));
-  EXPECT_FALSE(loud.stats.contains("fingers"));
-  const auto [least, most] = heard(layout, loud, 0);
-  EXPECT_GT(most / least, 1.03);
+TEST(CliPressure, ARunTellsWhatItsFingersHave) {
+  const Result result = palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film_of_two(), "--every-frame",
+                                    "--backend", "cpu", "--pressure", "8kPa", "--json", "-"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json fingers = json::parse(result.out)["fingers"];
+  ASSERT_EQ(fingers.size(), 2u);
+  EXPECT_EQ(fingers[0]["solid"], "left");
+  EXPECT_NEAR(fingers[0]["pressure_pa"]["least"], 8e3, 80);
 }
 
 TEST(CliPressure, AnUnreachableOneLowersNobodyElse) {
-  const array::Layout layout = posed("paper");
   geometry::Haptics modest, greedy;
   modest.pressure_pa = 10e3;
   modest.intensity = 0.5;
   greedy.pressure_pa = 1e5;
-  const Played both = play(two_boxes("greedy", modest, greedy), film_of_two(), {"--backend", "cpu"});
+  const Played both = play(two_boxes(modest, greedy), film_of_two(), {"--backend", "cpu"});
   ASSERT_EQ(both.fingers.size(), 2u);
-  expect_heard(layout, both, 0, 5e3);
   const double reached = both.fingers[1]["pressure_pa"];
   EXPECT_LT(reached, 5e4);
   EXPECT_GT(reached, 2e4) << "it has what is left";
-  expect_heard(layout, both, 1, reached);
+  expect_heard(posed("paper"), both, 0, 5e3);
+  expect_heard(posed("paper"), both, 1, reached);
   ASSERT_EQ(both.warnings.size(), 1u) << "said once";
-  EXPECT_NE(both.warnings[0].find("on right has"), std::string::npos) << both.warnings[0];
+  EXPECT_CONTAINS(both.warnings[0], "on right has");
+  EXPECT_EQ(both.stats["fingers"][1]["asked_pa"], 1e5);
+  EXPECT_CONTAINS(both.told, "of the 100000 Pa asked for");
 }
 
 TEST(CliPressure, TogetherEachFocusHasItOfTheWholeSoundAndACeilingComesAfter) {
-  const array::Layout layout = posed("openmpd");
-  const std::string scene = two_boxes("plain", {}, {}), take = film_of_one();
-  const std::vector<std::string> options{"--backend", "cpu",      "--pressure",
-                                         "500Pa",     "--method", "multi-focus",
-                                         "--layout",  "openmpd",  "--modulation-frequency",
-                                         "0"};
-  const Played full = play(scene, take, options);
-  expect_heard(layout, full, 0, 500);
-  const Played half = play(scene, take, with(options, {"--ceiling", "0.5"}));
-  expect_heard(layout, half, 0, 250);
+  const Played half = play(two_boxes({}, {}), film({left_tip}),
+                           {"--backend", "cpu", "--pressure", "500Pa", "--method", "multi-focus", "--layout", "openmpd",
+                            "--modulation-frequency", "0", "--ceiling", "0.5"});
+  expect_heard(posed("openmpd"), half, 0, 250);
 }
 
-TEST(CliPressure, TouchAndDriveHaveItToo) {
-  const json finger = document({"--layout", "openmpd", "--pressure", "1.5kPa"})["fingers"][0];
-  for (const json& pressure : finger["pressures_pa"])
-    EXPECT_NEAR(pressure, 1500, 15);
-  const Result result = palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,150mm", "--focus",
-                                    "2cm,0,150mm,0.5", "--pressure", "2kPa", "--backend", "cpu", "--json", "-"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const json drive = json::parse(result.out);
-  EXPECT_NEAR(drive["pressures_pa"][0], 2000, 10);
-  EXPECT_NEAR(drive["pressures_pa"][1], 1000, 5);
-  for (const json& amplitude : drive["amplitudes"])
-    EXPECT_LE(amplitude, 1.0);
-  const Result nothing = palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,150mm,1e-30", "--pressure", "2kPa",
-                                     "--backend", "cpu", "--json", "-"});
-  EXPECT_EQ(nothing.err, "") << "who asks for next to nothing lacks nothing";
+TEST(CliNulls, OfFramesLieInTheWorld) {
+  const array::Layout layout = posed("openmpd");
+  const Played played =
+      play(two_boxes({}, {}), film({left_tip}), {"--backend", "cpu", "--layout", "openmpd", "--null", "30mm,10mm,0"});
+  const double least = heard(layout, played, 0).first;
+  for (const auto& [slot, drive] : sounding(played))
+    EXPECT_LT(pressure_of(layout, drive, {0.03, 0.01, 0}), 1e-3 * least) << slot;
 }
 
 TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
   geometry::Haptics asks;
   asks.pressure_pa = 800;
   asks.intensity = 0.5;
-  const std::filesystem::path folder = scratch_folder("asked-" + GetParam());
-  const std::string file = (folder / "touch.json").string();
+  const std::filesystem::path folder = scratch_folder("asked");
+  const std::string file = folder / "touch.json", points = folder / "fingers.ply", scene = two_boxes({}, asks);
   // A fingertip in each of the two boxes.
-  const geometry::Ply finger = geometry::read_ply(asset("finger.ply"));
   std::vector<Vec3> both;
   for (const Vec3& tip : {left_tip, right_tip}) {
-    for (const Vec3& place : finger.positions)
+    for (const Vec3& place : geometry::read_ply(asset("finger.ply")).positions)
       both.push_back(place + tip);
   }
-  const std::string points = (folder / "fingers.ply").string();
   geometry::write_ply(points, both);
   const auto touch_of = [&](const std::vector<std::string>& more) {
-    const Result result = palpa_here(with({"touch", "--scene", two_boxes("asked-" + GetParam(), {}, asks), "--points",
-                                           points, "--backend", GetParam(), "--json", file},
-                                          more));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return json::parse(std::ifstream(file))["fingers"];
+    const json touch =
+        touch_report(with({"touch", "--scene", scene, "--points", points, "--backend", GetParam()}, more));
+    write_text(file, touch.dump());
+    return touch["fingers"];
   };
   const auto heard = [&](const std::vector<std::string>& more) {
     const Result result = palpa_here(
@@ -362,44 +308,54 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
     EXPECT_TRUE(std::abs(pascals - 300) < 3 || std::abs(pascals - 400) < 4) << pascals;
 }
 
+TEST(CliPressure, ATouchHasItAndWhoAsksForNextToNothingLacksNothing) {
+  const json touched = touch_report(cube_touch({"--layout", "openmpd", "--pressure", "1.5kPa"}));
+  for (const json& pressure : touched["fingers"][0]["pressures_pa"])
+    EXPECT_NEAR(pressure, 1500, 15);
+  EXPECT_EQ(palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,150mm,1e-30", "--pressure", "2kPa", "--backend",
+                        "cpu"})
+                .err,
+            "");
+}
+
 TEST(CliPressure, AboveTenKilopascalsLinearAcousticsEnds) {
-  EXPECT_NE(
-      palpa_here(touch({"--layout", "paper", "--pressure", "12kPa"})).out.find("linear acoustics no longer holds"),
-      std::string::npos);
-  EXPECT_EQ(palpa_here(touch({"--layout", "paper", "--pressure", "9kPa"})).out.find("linear acoustics"),
-            std::string::npos);
-}
-
-TEST(CliPressure, DriveSaysSoWhetherAPressureIsAskedForOrNot) {
-  const auto told = [](const std::vector<std::string>& more) {
-    const Result result = palpa_here(with({"drive", "--focus", "0,0,150mm", "--backend", "cpu"}, more));
+  const std::vector<std::string> drive{"drive", "--focus", "0,0,150mm", "--backend", "cpu", "--layout"};
+  const std::pair<std::vector<std::string>, bool> lines[]{
+      {cube_touch({"--layout", "paper", "--pressure", "12kPa"}), true},
+      {cube_touch({"--layout", "paper", "--pressure", "9kPa"}), false},
+      {with(drive, {"openmpd"}), false},
+      {with(drive, {"paper", "--focus", "0,0,0"}), true},
+      {with(drive, {"paper", "--pressure", "9kPa"}), false},
+      {with(drive, {"paper", "--pressure", "11kPa"}), true}};
+  for (const auto& [line, beyond] : lines) {
+    const Result result = palpa_here(line);
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result.out.find("above 10 kPa, linear acoustics no longer holds") != std::string::npos;
-  };
-  EXPECT_FALSE(told({"--layout", "openmpd"}));
-  EXPECT_TRUE(told({"--layout", "paper", "--focus", "0,0,0"}));
-  EXPECT_FALSE(told({"--layout", "paper", "--pressure", "9kPa"}));
-  EXPECT_TRUE(told({"--layout", "paper", "--pressure", "11kPa"}));
+    EXPECT_EQ(result.out.find("above 10 kPa, linear acoustics no longer holds") != std::string::npos, beyond)
+        << result.out;
+  }
 }
 
-TEST(CliPressure, ItTakesThePlaceOfAConstraint) {
-  const std::string scene = asset("cube.glb");
-  expect_failure(palpa_here({"run", "--scene", scene, "--pressure", "8kPa", "--constraint", "normalise"}), 2,
-                 "--constraint");
-  expect_failure(palpa_here({"run", "--scene", scene, "--pressure", "8kPa", "--solver", "greedy"}), 2, "greedy");
-  expect_failure(palpa_here({"run", "--scene", scene, "--pressure", "0"}), 2, "above 0");
-  expect_failure(palpa_here({"run", "--scene", scene, "--pressure", "101kPa"}), 2, "100kPa");
-  expect_failure(palpa_here(touch({"--pressure", "8kPa"})), 2, "--layout");
+TEST(CliPressure, WhatCannotBeIsRefused) {
   geometry::Haptics asks;
   asks.pressure_pa = 5e3;
-  const std::string asking = two_boxes("asking", {}, asks);
-  expect_failure(palpa_here({"run", "--scene", asking, "--constraint", "clamp"}), 2, "\"right\" asks for a pressure");
-  expect_failure(palpa_here({"run", "--scene", asking, "--solver", "greedy"}), 2, "\"right\" asks for a pressure");
-}
-
-TEST(CliPressure, HowAnArrayIsDrivenGoesWithOne) {
-  expect_failure(palpa_here(touch({"--solver", "greedy"})), 2, "--layout");
-  expect_failure(palpa_here(touch({"--layout", "nowhere"})), 4, "nowhere");
+  const std::string asking = two_boxes({}, asks), who = "\"right\" asks for a pressure";
+  const auto run = [](const std::string& scene, const std::vector<std::string>& more) {
+    return with({"run", "--scene", scene}, more);
+  };
+  const std::vector<std::string> loud = run(asset("cube.glb"), {"--pressure", "8kPa"});
+  const struct {
+    std::vector<std::string> line;
+    int code;
+    std::string part;
+  } wrong[]{{with(loud, {"--constraint", "normalise"}), 2, "--constraint"},
+            {with(loud, {"--solver", "greedy"}), 2, "greedy"},
+            {run(asset("cube.glb"), {"--pressure", "0"}), 2, "above 0"},
+            {run(asset("cube.glb"), {"--pressure", "101kPa"}), 2, "100kPa"},
+            {run(asking, {"--constraint", "clamp"}), 2, who},
+            {run(asking, {"--solver", "greedy"}), 2, who},
+            {cube_touch({"--layout", "nowhere"}), 4, "nowhere"}};
+  for (const auto& [line, code, part] : wrong)
+    expect_failure(palpa_here(line), code, part);
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+// `palpa touch` within this process: the finger model in the paper's cube.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
+#include "support/json.hpp"
+#include "support/shared_data.hpp"
+
+namespace palpa::test {
+
+inline std::string asset(const std::string& name) {
+  return source_file("assets/" + name).string();
+}
+
+/// The command's line, on the processor.
+inline std::vector<std::string> cube_touch(const std::vector<std::string>& more) {
+  return with({"touch", "--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "3mm",
+               "--backend", "cpu"},
+              more);
+}
+
+/// What the line gives with --json.
+inline nlohmann::json touch_report(const std::vector<std::string>& line) {
+  const Result result = palpa_here(with(line, {"--json", "-"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return nlohmann::json::parse(result.out);
+}
+
+}  // namespace palpa::test
