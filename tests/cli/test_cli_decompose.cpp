@@ -74,14 +74,14 @@ class Decompose : public DecomposeConvex {
 
 // One whose surface is split over nodes, and one that is inside out.
 TEST_F(DecomposeConvex, ConvexSolidsAreTheirOnlyPartsAndTouchedAsBefore) {
-  const Vec3 low(-0.02, -0.04, -0.02), high(0.02, 0, 0.02), beside(0.05, 0, 0);
+  const Vec3 low(-0.02, -0.04, -0.02), high(0.02, 0, 0.02), aside(0.05, 0, 0);
   const geometry::Mesh whole = box(low, high);
   std::vector<SceneMesh> meshes(6);
   for (std::size_t side = 0; side < 6; ++side) {
     meshes[side].name = "side " + std::to_string(side);
     meshes[side].mesh = {whole.positions, {whole.triangles[2 * side], whole.triangles[2 * side + 1]}};
   }
-  meshes.push_back({"turned", box(low + beside, high + beside)});
+  meshes.push_back({"turned", box(low + aside, high + aside)});
   geometry::flip(meshes.back().mesh);
   const std::string in = scene("boxes.glb", meshes);
   const Result result = palpa_here({"decompose", "--scene", in, "--out", out_, "--json", "-"});
@@ -96,7 +96,7 @@ TEST_F(DecomposeConvex, ConvexSolidsAreTheirOnlyPartsAndTouchedAsBefore) {
     EXPECT_NEAR(solid["volume_ratio"], 1, 1e-9);
     EXPECT_LT(solid["surface_error_m"]["max"], 1e-8);
   }
-  const std::string ply = points(cloud(low - 0.002, high + beside + 0.002, 6000));
+  const std::string ply = points(cloud(low - 0.002, high + aside + 0.002, 6000));
   const json from_file = contacts({"--scene", out_, "--points", ply});
   EXPECT_GT(from_file["count"], 200);
   EXPECT_EQ(from_file, contacts({"--scene", in, "--surface", "parts", "--points", ply}));
