@@ -1,5 +1,5 @@
-// Files that are none, for every option that takes a file: exit code 4 and one line that names the file. What is wrong
-// within a file is shown by the tests of its reader.
+// Missing files, folders, pipes, devices and noise for every option that takes a file: exit code 4 and one line that
+// names the file. What is wrong within a file is shown by the tests of its reader.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

@@ -69,7 +69,7 @@ void expect_sane(const Result& result, const std::string& tried) {
   EXPECT_FALSE(result.exit_code == 0 && std::regex_search(result.out, not_a_number)) << tried << ": " << result.out;
 }
 
-/// Of the program itself.
+/// The program itself fails on a full stdout.
 void expect_full_program(const std::vector<std::string>& line) {
   SCOPED_TRACE(testing::PrintToString(line));
   RunOptions full;
