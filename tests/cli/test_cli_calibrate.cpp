@@ -16,6 +16,7 @@
 #include "array/layouts/layout.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/told.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
@@ -23,9 +24,9 @@
 #include "sensing/target.hpp"
 #include "setup/target_mount.hpp"
 #include "support/files.hpp"
-#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -56,9 +57,9 @@ Rig rig_of_a_board() {
   return rig;
 }
 
-/// With sanitizers, only the first of cameras that all take the same path.
-Rig fewer_cameras(Rig rig) {
-  if (instrumented()) rig.cameras.resize(1);
+/// With its first camera only.
+Rig one_camera(Rig rig) {
+  rig.cameras.resize(1);
   return rig;
 }
 
@@ -75,6 +76,13 @@ Rig coarse(Rig rig) {
   return rig;
 }
 
+/// The same cameras where nobody knows where they are.
+Rig lost(Rig rig) {
+  for (Camera& camera : rig.cameras)
+    camera.T_world_camera = Transform(1.0);
+  return rig;
+}
+
 class Calibrate : public testing::Test {
  protected:
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
@@ -83,20 +91,15 @@ class Calibrate : public testing::Test {
     return file(name);
   }
 
-  /// What a rig's cameras see, as a recording: the target where `T_world_target` has it, the boards, and `clutter`.
-  std::string record(const std::string& name, const Rig& rig, const Transform& T_world_target,
-                     const geometry::Mesh& clutter = {}, int frames = 4) const {
+  /// What a rig's cameras see, as a recording: the boards, and the target where `T_world_target` has it.
+  std::string record(const std::string& name, const Rig& rig, const Transform& T_world_target, int frames = 4) const {
     const array::Layout own = array::load_layout(rig.array->layout);
     geometry::Mesh things =
         array::board_mesh(transformed(own, rig.array->T_world_layout.value_or(own.default_T_world_layout)));
     geometry::append(things, transformed(sensing::make_target(setup::target_mount(own).holes),
                                          [&](const Vec3& p) { return transform_point(T_world_target, p); }));
-    geometry::append(things, clutter);
     sensing::SyntheticRig synthetic(rig.cameras, things, sensing::Noise::d415, 11);
-    std::vector<Camera> lost = rig.cameras;  // a recording's poses must say nothing
-    for (Camera& camera : lost)
-      camera.T_world_camera = Transform(1.0);
-    sensing::RecordingWriter writer(file(name), lost);
+    sensing::RecordingWriter writer(file(name), lost(rig).cameras);  // its poses must say nothing
     sensing::FrameSet set;
     for (int i = 0; i < frames; ++i) {
       synthetic.render({}, static_cast<std::uint64_t>(i), set);
@@ -110,13 +113,6 @@ class Calibrate : public testing::Test {
 
   std::filesystem::path folder_ = scratch_folder("calibrate");
 };
-
-/// The same cameras where nobody knows where they are.
-Rig lost(Rig rig) {
-  for (Camera& camera : rig.cameras)
-    camera.T_world_camera = Transform(1.0);
-  return rig;
-}
 
 Transform default_pose_of_target(const Rig& rig) {
   const array::Layout layout = array::load_layout(rig.array->layout);
@@ -141,8 +137,8 @@ void expect_poses(const Rig& found, const Rig& truth) {
 TEST_F(Calibrate, FindsThePapersCameras) {
   const Rig truth = sensing::load_rig(std::filesystem::path(where_assets_are().second) / "rigs/paper.toml");
   const std::string source = record("seen", truth, default_pose_of_target(truth));
-  const Result result = palpa({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
-                               file("found.toml"), "--json", file("found.json"), "--frames", "3"});
+  const Result result = palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
+                                    file("found.toml"), "--json", file("found.json"), "--frames", "3"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   const Rig found = sensing::load_rig(file("found.toml"));
@@ -167,31 +163,17 @@ TEST_F(Calibrate, FindsThePapersCameras) {
   EXPECT_NE(result.out.find(" mm rms, "), std::string::npos);
 }
 
-TEST_F(Calibrate, FindsCamerasAboveABoardAmongClutter) {
-  const Rig truth = fewer_cameras(rig_of_a_board());
-  geometry::Mesh clutter = box({-0.4, -0.25, -0.3}, {0.4, -0.21, 0.3});            // a table
-  geometry::append(clutter, box({0.12, -0.21, -0.05}, {0.2, -0.14, 0.1}));         // a box of screws
-  geometry::append(clutter, transformed(sphere(0.03, 24, 24), [](const Vec3& p) {  // somebody's fist
-                     return p + Vec3(-0.09, -0.15, 0.04);
-                   }));
-  const std::string source = record("seen", truth, default_pose_of_target(truth), clutter);
-  const Result result = palpa({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
-                               file("found.toml"), "--quiet"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  expect_poses(sensing::load_rig(file("found.toml")), truth);
-  EXPECT_EQ(result.out + result.err, "");
-}
-
 TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
-  Rig truth = rig_of_a_board();
-  truth.cameras.resize(1);
+  const Rig truth = one_camera(rig_of_a_board());
   const setup::TargetMount mount = setup::target_mount(array::load_layout("openmpd"));
   const Transform T_world_layout = *truth.array->T_world_layout;
   const Transform elsewhere = T_world_layout * setup::moved_mount(mount, {0.01, 0.005, 0.02}, 90 * degree);
   const std::string source = record("seen", truth, elsewhere);
   const std::string rig = write("lost.toml", lost(truth));
   const std::vector<std::string> line{"calibrate", "--rig", rig, "--source", source, "--out", file("found.toml")};
-  ASSERT_EQ(palpa_here(with(line, {"--at", "10mm,5mm,20mm", "--turn", "90"})).exit_code, 0);
+  const Result told = palpa_here(with(line, {"--at", "10mm,5mm,20mm", "--turn", "90", "--quiet"}));
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.out + told.err, "");
   expect_poses(sensing::load_rig(file("found.toml")), truth);
   // On a mount that it is not on, it is believed all the same: the poses are off by as much.
   ASSERT_EQ(palpa_here(line).exit_code, 0);
@@ -201,61 +183,37 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
 }
 
 TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
-  const Rig truth = fewer_cameras(rig_of_a_board());
-  const std::string rig = write("lost.toml", lost(truth));
+  const Rig truth = one_camera(rig_of_a_board());
   const std::string large = record("large", truth, glm::scale(default_pose_of_target(truth), Vec3(1.03)));
-  const Result result = palpa_here(
-      {"calibrate", "--rig", rig, "--source", large, "--json", file("large.json"), "--out", file("found.toml")});
+  const Result result = palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", large, "--json",
+                                    file("large.json"), "--out", file("found.toml")});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const json cameras = json::parse(read_text(file("large.json")))["cameras"];
-  ASSERT_EQ(result.err_lines().size(), cameras.size()) << result.err;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const std::string line = result.err_lines()[i];
-    EXPECT_NEAR(cameras[i]["scale"], 1.03, 0.008) << cameras[i];
-    EXPECT_LT(cameras[i]["scale_deviation"], 0.005);
-    EXPECT_NE(line.find("camera \"" + truth.cameras[i].name + "\": it sees the target"), std::string::npos) << line;
-    EXPECT_NE(line.find("% larger than it is"), std::string::npos) << line;
-    EXPECT_NE(line.find("either the print or the camera's scale is off"), std::string::npos) << line;
-  }
+  const json camera = json::parse(read_text(file("large.json")))["cameras"][0];
+  EXPECT_NEAR(camera["scale"], 1.03, 0.008) << camera;
+  EXPECT_LT(camera["scale_deviation"], 0.005);
+  EXPECT_EQ(result.err_lines().size(), 1u) << result.err;
+  EXPECT_CONTAINS(result.err, "camera \"left\": it sees the target");
+  EXPECT_CONTAINS(result.err, "% larger than it is");
+  EXPECT_CONTAINS(result.err, "either the print or the camera's scale is off");
 }
 
-TEST_F(Calibrate, WarnsOfAnotherScaleFromOneAndAHalfPercentOn) {
-  const Rig truth = fewer_cameras(rig_of_a_board());
-  const std::string rig = write("lost.toml", lost(truth));
-  for (const auto& [scale, warns] : {std::pair(1.012, false), std::pair(1.018, true)}) {
-    const std::string source =
-        record(std::to_string(scale), truth, glm::scale(default_pose_of_target(truth), Vec3(scale)));
-    const Result result = palpa_here({"calibrate", "--rig", rig, "--source", source, "--out", file("found.toml")});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.err_lines().size(), warns ? truth.cameras.size() : 0) << scale << ": " << result.err;
-  }
-}
-
-TEST_F(Calibrate, ACameraThatDoesNotSeeTheTargetIsNamed) {
+TEST_F(Calibrate, RefusesWhatCannotBeMeantOrSeen) {
   Rig truth = coarse(rig_of_a_board());
   truth.cameras[1].T_world_camera = looking({0.2, 0.2, -0.25}, {0.5, -0.2, -0.8});
-  const std::string source =
-      record("seen", truth, default_pose_of_target(truth), box({-1, -0.25, -1}, {1, -0.21, 1}), 2);
-  const Result result = palpa_here(
-      {"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out", file("found.toml")});
-  expect_failure(result, 4, "camera \"right\": does not see the target");
+  const std::string rig = write("rig.toml", truth), source = record("seen", truth, default_pose_of_target(truth), 2);
+  expect_refused({"calibrate", "--rig", rig}, {{{"--out", rig}, "--out"},
+                                               {{"--out", file("found.toml")}, "--source"},
+                                               {{"--at", "1,2"}, "--at"},
+                                               {{"--frames", "101"}, "--frames"},
+                                               {{"--source", source, "--out", file("found.toml")},
+                                                "camera \"right\": only 0 of its ",
+                                                4}});
   EXPECT_FALSE(std::filesystem::exists(file("found.toml")));
-}
-
-TEST_F(Calibrate, RefusesWhatCannotBeMeant) {
-  const Rig truth = coarse(rig_of_a_board());
-  const std::string rig = write("rig.toml", truth);
-  expect_failure(palpa_here({"calibrate", "--rig", rig, "--out", rig}), 2, "--out");
-  expect_failure(palpa_here({"calibrate", "--rig", rig, "--out", file("found.toml")}), 2, "--source");
-  expect_failure(palpa_here({"calibrate", "--target", "target.obj"}), 2, ".stl or .glb");
-  expect_failure(palpa_here({"calibrate", "--rig", rig, "--at", "1,2"}), 2, "--at");
-  expect_failure(palpa_here({"calibrate", "--rig", rig, "--frames", "101"}), 2, "--frames");
-  expect_failure(palpa_here({"calibrate", "--rig", rig, "--keys", "enter"}), 2, "--keys goes with --nudge");
-  Rig one = truth;
-  one.cameras.pop_back();
-  const std::string source = record("seen", truth, default_pose_of_target(truth), {}, 1);
-  expect_failure(palpa_here({"calibrate", "--rig", write("one.toml", one), "--source", source}), 4,
-                 "has 1 [[camera]], and the source has 2");
+  expect_refused({"calibrate"},
+                 {{{"--target", "target.obj"}, ".stl or .glb"},
+                  {{"--rig", write("one.toml", one_camera(truth)), "--source", source},
+                   "has 1 [[camera]], and the source has 2",
+                   4}});
 }
 
 TEST_F(Calibrate, TheTargetsHolesStandOverGapsBetweenTransducers) {
@@ -281,7 +239,7 @@ TEST_F(Calibrate, TheTargetsHolesStandOverGapsBetweenTransducers) {
 }
 
 TEST_F(Calibrate, WritesTheTargetForAPrinter) {
-  const Result printed = palpa({"calibrate", "--target", file("t.stl"), "--layout", "openmpd"});
+  const Result printed = palpa_here({"calibrate", "--target", file("t.stl"), "--layout", "openmpd"});
   ASSERT_EQ(printed.exit_code, 0);
   EXPECT_TRUE(printed.out.starts_with(file("t.stl") + ": the target for openmpd, in millimetres")) << printed.out;
   EXPECT_NE(printed.out.find("next: print it"), std::string::npos) << printed.out;
@@ -289,7 +247,6 @@ TEST_F(Calibrate, WritesTheTargetForAPrinter) {
   const Result viewed = palpa_here({"calibrate", "--target", file("t.glb"), "--layout", "openmpd"});
   ASSERT_EQ(viewed.exit_code, 0);
   EXPECT_NE(viewed.out.find("palpa-viewer --scene " + file("t.glb")), std::string::npos) << viewed.out;
-  EXPECT_EQ(palpa_here({"calibrate", "--target", file("t.stl"), "--layout", "openmpd", "--quiet"}).out, "");
   const std::string stl = read_text(file("t.stl"));
   const geometry::Scene scene = geometry::load_gltf(file("t.glb"));
   ASSERT_EQ(scene.meshes.size(), 1U);

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -12,6 +11,7 @@
 #include "sensing/rig.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -31,27 +31,31 @@ void add_options(CLI::App& app, PingCommand& o) {
 struct Outcome {
   int code = 0;
   std::string out, err;
-  std::vector<PingCommand> pinged;
+  std::vector<PingCommand> pinged{};
 };
 
+Outcome palpa_with(const cli::Extensions& extensions, const std::vector<const char*>& words) {
+  std::vector<const char*> argv{"palpa"};
+  argv.insert(argv.end(), words.begin(), words.end());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
+  return {code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
+}
+
 Outcome palpa_with_ping(const std::vector<const char*>& words) {
-  Outcome outcome;
+  std::vector<PingCommand> pinged;
   cli::Extensions extensions;
   extensions.commands.push_back([&](cli::Program& program) {
     cli::add_subcommand<PingCommand>(program, {"ping", "whether a board answers", "  palpa ping --board one"},
                                      add_options, [&](const PingCommand& o) {
                                        if (o.board.empty()) throw bad_usage("--board is missing: give a name");
                                        if (o.board == "dead") throw failure("board dead: does not answer");
-                                       outcome.pinged.push_back(o);
+                                       pinged.push_back(o);
                                      });
   });
-  std::vector<const char*> argv{"palpa"};
-  argv.insert(argv.end(), words.begin(), words.end());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  outcome.code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
+  Outcome outcome = palpa_with(extensions, words);
+  outcome.pinged = pinged;
   return outcome;
 }
 
@@ -79,18 +83,12 @@ TEST(CliCommands, OneFromAboveFailsAsPalpasOwnDo) {
 TEST(CliCommands, DoctorWritesARigForTheCamerasThatAreThere) {
   const std::string file = (scratch_folder("doctor-rig") / "rig.toml").string();
   cli::CamerasThere there{.source = "v4l2:/dev/video0,/dev/video4", .cameras = {}, .problem = "/dev/video6: busy"};
-  const auto doctor = [&](const std::vector<const char*>& words) {
-    cli::Extensions extensions;
-    extensions.cameras = [&] { return there; };
-    std::vector<const char*> argv{"palpa", "doctor", "--quiet"};
-    argv.insert(argv.end(), words.begin(), words.end());
-    testing::internal::CaptureStderr();
-    const int code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
-    return std::pair(code, testing::internal::GetCapturedStderr());
-  };
-  const auto [nobody, told] = doctor({"--write-rig", file.c_str()});
-  EXPECT_EQ(nobody, static_cast<int>(Exit::failed));
-  EXPECT_EQ(told, "palpa: error: --write-rig: no depth camera can be opened: /dev/video6: busy\n");
+  cli::Extensions extensions;
+  extensions.cameras = [&] { return there; };
+  const std::vector<const char*> line{"doctor", "--quiet", "--write-rig", file.c_str()};
+  const Outcome nobody = palpa_with(extensions, line);
+  EXPECT_EQ(nobody.code, static_cast<int>(Exit::failed));
+  EXPECT_EQ(nobody.err, "palpa: error: --write-rig: no depth camera can be opened: /dev/video6: busy\n");
   EXPECT_FALSE(std::filesystem::exists(file));
   for (const char* name : {"A", "B"}) {
     cli::CameraThere& camera = there.cameras.emplace_back();
@@ -101,19 +99,17 @@ TEST(CliCommands, DoctorWritesARigForTheCamerasThatAreThere) {
     camera.camera.device.own_lens = true;
     camera.note = "which it is";
   }
-  EXPECT_EQ(doctor({"--write-rig", file.c_str()}).second, "");
+  EXPECT_EQ(palpa_with(extensions, line).err, "");
   const sensing::Rig rig = sensing::load_rig(file);
   ASSERT_EQ(rig.cameras.size(), 2u);
   EXPECT_EQ(rig.cameras[1].name, "B");
   EXPECT_TRUE(rig.cameras[1].device.own_lens);
   EXPECT_EQ(rig.cameras[1].T_world_camera, Transform(1.0));
   const std::string text = read_text(file);
-  EXPECT_NE(text.find("palpa calibrate --rig " + file + " --layout LAYOUT --source v4l2:/dev/video0,/dev/video4"),
-            std::string::npos)
-      << text;
-  EXPECT_NE(text.find("T_world_camera is not known yet"), std::string::npos);
-  EXPECT_EQ(doctor({"--source", "bag:x"}).first, static_cast<int>(Exit::usage));
-  EXPECT_EQ(doctor({"--write-rig", file.c_str(), "--source", "synthetic"}).first, static_cast<int>(Exit::usage));
+  EXPECT_CONTAINS(text, "palpa calibrate --rig " + file + " --layout LAYOUT --source v4l2:/dev/video0,/dev/video4");
+  EXPECT_CONTAINS(text, "T_world_camera is not known yet");
+  EXPECT_EQ(palpa_with(extensions, {"doctor", "--write-rig", file.c_str(), "--source", "synthetic"}).code,
+            static_cast<int>(Exit::usage));
 }
 
 TEST(CliCommands, OneFromAboveStandsInTheHelpBelowTheEngines) {
@@ -122,9 +118,9 @@ TEST(CliCommands, OneFromAboveStandsInTheHelpBelowTheEngines) {
   EXPECT_NE(ping, std::string::npos) << all.out;
   EXPECT_LT(bench, ping);
   const Outcome one = palpa_with_ping({"ping", "--help"});
-  EXPECT_NE(one.out.find("--pause"), std::string::npos);
-  EXPECT_NE(one.out.find("--validation"), std::string::npos);
-  EXPECT_NE(one.out.find("palpa ping --board one"), std::string::npos);
+  EXPECT_CONTAINS(one.out, "--pause");
+  EXPECT_CONTAINS(one.out, "--validation");
+  EXPECT_CONTAINS(one.out, "palpa ping --board one");
 }
 
 }  // namespace

@@ -2,13 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cmath>
 #include <csignal>
-#include <fstream>
+#include <filesystem>
+#include <glm/common.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
+#include "cli/support/told.hpp"
+#include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/parts/vhacd.hpp"
@@ -17,6 +22,7 @@
 #include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -24,15 +30,14 @@ namespace {
 using geometry::SceneMesh;
 using nlohmann::json;
 
-/// All through a box of 40 mm, top at y = 0, and just outside of it.
-std::vector<Vec3> cloud_around_a_box() {
-  std::vector<Vec3> cloud;
-  for (int i = 0; i < 3000; ++i) {
-    const auto unit = [&](double factor) { return std::fmod(i * factor, 1.0); };
-    cloud.emplace_back(-0.022 + 0.044 * unit(0.6180339887), -0.042 + 0.044 * unit(0.7548776662),
-                       -0.022 + 0.044 * unit(0.5698402910));
+/// All through the space between two corners.
+std::vector<Vec3> cloud(const Vec3& low, const Vec3& high, int count) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 steps = static_cast<double>(i) * Vec3(0.6180339887, 0.7548776662, 0.5698402910);
+    points.push_back(low + (high - low) * glm::fract(steps));
   }
-  return cloud;
+  return points;
 }
 
 /// Needs no V-HACD.
@@ -44,32 +49,20 @@ class DecomposeConvex : public testing::Test {
     return file(name);
   }
   std::string points(const std::vector<Vec3>& all) const {
-    std::ofstream out(file("points.ply"));
-    out << "ply\nformat ascii 1.0\nelement vertex " << all.size()
-        << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-    for (const Vec3& p : all)
-      out << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    geometry::write_ply(file("points.ply"), all);
     return file("points.ply");
   }
-  json touch(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> line{"touch", "--backend", "cpu", "--json", "-"};
-    line.insert(line.end(), arguments.begin(), arguments.end());
-    const Result result = palpa_here(line);
+  static json json_of(const std::vector<std::string>& line) {
+    const Result result = palpa_here(with(line, {"--json", "-"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.exit_code == 0 ? json::parse(result.out) : json();
   }
-
-  /// `out` is the one part of the box in `in`, and touching it is touching `in` with --surface parts.
-  void expect_a_box_either_way(const json& report, const std::string& in, const std::string& out) const {
-    EXPECT_EQ(report["solids"][0]["parts"], 1);
-    EXPECT_NEAR(report["solids"][0]["volume_ratio"], 1, 1e-9);
-    const std::string ply = points(cloud_around_a_box());
-    const json from_file = touch({"--scene", out, "--points", ply});
-    EXPECT_GT(from_file["contacts"]["count"], 100);
-    EXPECT_EQ(from_file["contacts"], touch({"--scene", in, "--surface", "parts", "--points", ply})["contacts"]);
+  static json contacts(const std::vector<std::string>& arguments) {
+    return json_of(with({"touch", "--backend", "cpu"}, arguments))["contacts"];
   }
 
   const std::filesystem::path folder_ = scratch_folder("decompose");
+  const std::string cube_ = source_file("assets/cube.glb").string(), out_ = file("out.glb");
 };
 
 class Decompose : public DecomposeConvex {
@@ -79,84 +72,61 @@ class Decompose : public DecomposeConvex {
   }
 };
 
-TEST_F(DecomposeConvex, ASurfaceSplitOverNodesIsOneSolid) {
-  const geometry::Mesh whole = box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
-  std::vector<SceneMesh> sides(6);
+// One whose surface is split over nodes, and one that is inside out.
+TEST_F(DecomposeConvex, ConvexSolidsAreTheirOnlyPartsAndTouchedAsBefore) {
+  const Vec3 low(-0.02, -0.04, -0.02), high(0.02, 0, 0.02), aside(0.05, 0, 0);
+  const geometry::Mesh whole = box(low, high);
+  std::vector<SceneMesh> meshes(6);
   for (std::size_t side = 0; side < 6; ++side) {
-    sides[side].name = "side " + std::to_string(side);
-    sides[side].mesh = {whole.positions, {whole.triangles[2 * side], whole.triangles[2 * side + 1]}};
+    meshes[side].name = "side " + std::to_string(side);
+    meshes[side].mesh = {whole.positions, {whole.triangles[2 * side], whole.triangles[2 * side + 1]}};
   }
-  const std::string in = scene("sides.glb", sides), out = file("sides-parts.glb");
-  const Result result = palpa({"decompose", "--scene", in, "--out", out, "--json", "-"});
+  meshes.push_back({"turned", box(low + aside, high + aside)});
+  geometry::flip(meshes.back().mesh);
+  const std::string in = scene("boxes.glb", meshes);
+  const Result result = palpa_here({"decompose", "--scene", in, "--out", out_, "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
-  const json report = json::parse(result.out);
-  ASSERT_EQ(report["solids"].size(), 1u);
-  EXPECT_EQ(report["solids"][0]["name"], "side 0");
-  expect_a_box_either_way(report, in, out);
-}
-
-TEST_F(DecomposeConvex, AMeshThatIsInsideOutIsTurned) {
-  geometry::Mesh mesh = box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
-  geometry::flip(mesh);
-  const std::string in = scene("turned.glb", {{"turned", mesh}}), out = file("turned-parts.glb");
-  const Result result = palpa({"decompose", "--scene", in, "--out", out, "--json", "-"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("mesh \"turned\" is inside out; its faces are turned"), std::string::npos) << result.err;
-  const json report = json::parse(result.out);
-  expect_a_box_either_way(report, in, out);
+  EXPECT_EQ(result.err_lines().size(), 1u) << result.err;
+  EXPECT_CONTAINS(result.err, "mesh \"turned\" is inside out; its faces are turned");
+  const json solids = json::parse(result.out)["solids"];
+  ASSERT_EQ(solids.size(), 2u);
+  EXPECT_EQ(solids[0]["name"], "side 0");
+  for (const json& solid : solids) {
+    EXPECT_EQ(solid["parts"], 1);
+    EXPECT_NEAR(solid["volume_ratio"], 1, 1e-9);
+    EXPECT_LT(solid["surface_error_m"]["max"], 1e-8);
+  }
+  const std::string ply = points(cloud(low - 0.002, high + aside + 0.002, 6000));
+  const json from_file = contacts({"--scene", out_, "--points", ply});
+  EXPECT_GT(from_file["count"], 200);
+  EXPECT_EQ(from_file, contacts({"--scene", in, "--surface", "parts", "--points", ply}));
+  EXPECT_EQ(from_file["indices"], contacts({"--scene", in, "--points", ply})["indices"]);
 }
 
 TEST_F(Decompose, ClosesTheHolesOfAnOpenMesh) {
   geometry::Mesh mesh = box({-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
   mesh.triangles.pop_back();
-  const Result result = palpa({"decompose", "--scene", scene("open.glb", {{"open", mesh}}), "--out", file("closed.glb"),
-                               "--resolution", "30k", "--json", "-"});
+  const Result result = palpa_here({"decompose", "--scene", scene("open.glb", {{"open", mesh}}), "--out", out_,
+                                    "--resolution", "30k", "--json", "-"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("mesh \"open\" has 3 open edges; its holes are closed"), std::string::npos) << result.err;
-  const json report = json::parse(result.out);
-  EXPECT_NEAR(report["solids"][0]["volume_m3"], 6.4e-5, 0.1 * 6.4e-5);
+  EXPECT_CONTAINS(result.err, "mesh \"open\" has 3 open edges; its holes are closed");
+  EXPECT_NEAR(json::parse(result.out)["solids"][0]["volume_m3"], 6.4e-5, 0.1 * 6.4e-5);
 }
 
-TEST_F(DecomposeConvex, OfACubeIsTheCube) {
-  const std::string out = file("cube-parts.glb");
-  const Result result =
-      palpa({"decompose", "--scene", source_file("assets/cube.glb"), "--parts", "8", "--out", out, "--json", "-"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
-  const json report = json::parse(result.out);
-  ASSERT_EQ(report["solids"].size(), 1u);
-  EXPECT_EQ(report["solids"][0]["name"], "cube");
-  EXPECT_EQ(report["solids"][0]["parts"], 1);
-  EXPECT_NEAR(report["solids"][0]["volume_ratio"], 1, 1e-9);
-  EXPECT_LT(report["solids"][0]["surface_error_m"]["max"], 1e-9);
-  const std::vector<std::string> press{"--points", source_file("assets/finger.ply"), "--penetration", "3mm"};
-  const auto with = [&](std::vector<std::string> line) {
-    line.insert(line.end(), press.begin(), press.end());
-    return touch(line);
-  };
-  const json whole = with({"--scene", source_file("assets/cube.glb")});
-  const json parts = with({"--scene", out});
-  EXPECT_EQ(parts["contacts"]["indices"], whole["contacts"]["indices"]);
-  EXPECT_EQ(parts["fingers"][0]["solid"], "cube");
-  EXPECT_EQ(parts["fingers"].size(), whole["fingers"].size());
-}
-
-TEST_F(Decompose, MarksItsPartsSoThatTheyAreOneSolidAgain) {
+TEST_F(Decompose, ItsPartsAreOneSolidAgainAndThoseThatTouchMakes) {
   geometry::Haptics haptics;
   haptics.delta_m = 0.002;
   haptics.foci = 7;
   const std::string in = scene("two.glb", {{"ell", ell(), haptics},
                                            {"beside", box({0.1, -0.04, 0}, {0.14, 0, 0.04})},
                                            {"table", box({-1, -0.06, -1}, {1, -0.05, 1}), {.touchable = false}}});
-  const std::string out = file("parts.glb");
-  const Result result = palpa({"decompose", "--scene", in, "--parts", "6", "--resolution", "30k", "--out", out});
+  const Result result = palpa_here({"decompose", "--scene", in, "--parts", "4", "--out", out_});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("ell: "), std::string::npos);
-  EXPECT_NE(result.out.find("beside: 1 part"), std::string::npos);
-  const geometry::Scene read = geometry::load_gltf(out);
+  EXPECT_CONTAINS(result.out, "ell: ");
+  EXPECT_CONTAINS(result.out, "beside: 1 part");
+  const geometry::Scene read = geometry::load_gltf(out_);
   ASSERT_GT(read.meshes.size(), 2u);
-  ASSERT_LE(read.meshes.size(), 7u);
+  ASSERT_LE(read.meshes.size(), 5u);
   for (const SceneMesh& mesh : read.meshes)
     EXPECT_TRUE(mesh.part);
   const std::vector<geometry::Solid> solids = geometry::make_solids(read);
@@ -166,20 +136,14 @@ TEST_F(Decompose, MarksItsPartsSoThatTheyAreOneSolidAgain) {
   EXPECT_EQ(solids[0].parts.parts.size() + 1, read.meshes.size());
   EXPECT_GT(solids[0].parts.seam_m, 1e-4);
   EXPECT_EQ(solids[1].name, "beside");
-
-  // The same bytes again.
-  ASSERT_EQ(
-      palpa({"decompose", "--scene", in, "--parts", "6", "--resolution", "30k", "--out", file("again.glb")}).exit_code,
-      0);
-  const auto bytes = [](const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(stream), {});
-  };
-  EXPECT_EQ(bytes(out), bytes(file("again.glb")));
-  expect_failure(palpa({"decompose", "--scene", out, "--out", file("x.glb")}), 4, "already a part of \"ell\"");
+  const std::string ply = points(cloud({-0.032, -0.042, -0.022}, {0.032, 0.002, 0.022}, 4000));
+  const json from_file = contacts({"--scene", out_, "--points", ply});
+  EXPECT_GT(from_file["count"], 100);
+  EXPECT_EQ(from_file, contacts({"--scene", in, "--surface", "parts", "--parts", "4", "--points", ply}));
+  expect_refused({"decompose", "--scene", out_, "--out", file("x.glb")}, {{{}, "already a part of \"ell\"", 4}});
 }
 
-TEST_F(Decompose, CutsAreNoSurfaceUnlessKept) {
+TEST_F(DecomposeConvex, CutsAreNoSurfaceUnlessKept) {
   // Three overlapping slabs side by side: points through the middle meet four cuts.
   std::vector<SceneMesh> slabs;
   for (int i = 0; i < 3; ++i) {
@@ -189,80 +153,52 @@ TEST_F(Decompose, CutsAreNoSurfaceUnlessKept) {
                      {},
                      geometry::PartOf{"slabs", 0, 0}});
   }
-  const std::string in = scene("slabs.glb", slabs);
-  std::vector<Vec3> line;
+  std::vector<Vec3> row;  // it ends 2.5 mm inside the last slab
   for (int i = 0; i < 600; ++i)
-    line.emplace_back(0.00005 + 0.0001 * i + 0.0025, -0.02, 0);
-  const std::string ply = points(line);
-  const json drop = touch({"--scene", in, "--points", ply});
-  const json keep = touch({"--scene", in, "--points", ply, "--internal-faces", "keep"});
-  // The row ends 2.5 mm inside the last slab.
-  EXPECT_EQ(drop["contacts"]["count"], 0);
+    row.emplace_back(0.00005 + 0.0001 * i + 0.0025, -0.02, 0);
+  const std::vector<std::string> line{"--scene", scene("slabs.glb", slabs), "--points", points(row)};
+  EXPECT_EQ(contacts(line)["count"], 0);
   // Eq. (1) of each part: 1.5 mm on the inner side of each of the four cuts.
-  EXPECT_EQ(keep["contacts"]["count"], 60);
+  EXPECT_EQ(contacts(with(line, {"--internal-faces", "keep"}))["count"], 60);
 }
 
-TEST_F(Decompose, OnTheFlyIsTheSameAsFromTheFile) {
-  const std::string in = scene("ell.glb", {{"ell", ell()}});
-  const std::string out = file("ell-parts.glb");
-  ASSERT_EQ(palpa({"decompose", "--scene", in, "--parts", "4", "--out", out}).exit_code, 0);
-  std::vector<Vec3> cloud;
-  for (int i = 0; i < 4000; ++i) {
-    const auto unit = [&](double factor) { return std::fmod(i * factor, 1.0); };
-    cloud.emplace_back(-0.032 + 0.064 * unit(0.6180339887), -0.042 + 0.044 * unit(0.7548776662),
-                       -0.022 + 0.044 * unit(0.5698402910));
-  }
-  const std::string ply = points(cloud);
-  const json from_file = touch({"--scene", out, "--points", ply});
-  const json made = touch({"--scene", in, "--surface", "parts", "--parts", "4", "--points", ply});
-  EXPECT_EQ(made["contacts"], from_file["contacts"]);
-  EXPECT_GT(made["contacts"]["count"], 100);
-}
-
-TEST_F(Decompose, RefusesWhatIsNoPart) {
-  const geometry::PartOf part{"thing", 0, 0};
-  const std::string ply = points({{0, -0.001, 0}});
-  const auto fault = [&](const geometry::Mesh& mesh, const std::string& words) {
-    expect_failure(palpa_here({"touch", "--scene", scene("bad.glb", {{"a part", mesh, {}, part}}), "--points", ply}), 4,
-                   words);
+TEST_F(DecomposeConvex, WhatIsNoPartIsRefused) {
+  const auto box_with = [](const auto& change) {
+    geometry::Mesh mesh = box({0, 0, 0}, {1, 1, 1});
+    change(mesh);
+    return mesh;
   };
-  fault(ell(), "\"a part\", a part of \"thing\", is concave");
-  geometry::Mesh open = box({0, 0, 0}, {1, 1, 1});
-  open.triangles.pop_back();
-  fault(open, "is not closed");
-  geometry::Mesh flat = box({0, 0, 0}, {1, 1, 0});
-  fault(flat, "is ");
-  geometry::Mesh pair = box({0, 0, 0}, {1, 1, 1});
-  geometry::append(pair, box({2, 0, 0}, {3, 1, 1}));
-  fault(pair, "several pieces");
-  geometry::Mesh turned = box({0, 0, 0}, {1, 1, 1});
-  geometry::flip(turned);
-  fault(turned, "a part is convex");
+  const std::vector<std::pair<geometry::Mesh, std::string>> faults{
+      {ell(), "\"a part\", a part of \"thing\", is concave"},
+      {box_with([](geometry::Mesh& open) { open.triangles.pop_back(); }), "is not closed"},
+      {box({0, 0, 0}, {1, 1, 0}), "is "},
+      {box_with([](geometry::Mesh& pair) { geometry::append(pair, box({2, 0, 0}, {3, 1, 1})); }), "several pieces"},
+      {box_with([](geometry::Mesh& turned) { geometry::flip(turned); }), "a part is convex"}};
+  for (const auto& [mesh, told] : faults) {
+    const std::string bad = scene("bad.glb", {{"a part", mesh, {}, geometry::PartOf{"thing", 0, 0}}});
+    expect_refused({"touch", "--scene", bad, "--points", points({{0, -0.001, 0}})}, {{{}, told, 4}});
+  }
 }
 
 TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
-  const std::string cube = source_file("assets/cube.glb");
-  const std::string out = file("out.glb");
-  expect_failure(palpa_here({"decompose", "--out", out}), 2, "--scene is missing");
-  expect_failure(palpa_here({"decompose", "--scene", cube}), 2, "--out is missing");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--parts", "0"}), 2, "from 1 to 1024");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--parts", "1025"}), 2, "from 1 to 1024");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--resolution", "10"}), 2, "such as 400k");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--resolution", "4.5k x"}), 2, "such as 400k");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", out, "--error", "0"}), 2, "--error");
-  expect_failure(palpa_here({"decompose", "--scene", file("none.glb"), "--out", out}), 4, "none.glb");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", (folder_ / "no" / "where.glb").string()}), 1,
-                 "cannot be written");
-  expect_failure(palpa_here({"decompose", "--scene", cube, "--out", "/dev/full"}), 1, "cannot be written");
-  const std::string scenery = scene("scenery.glb", {{"table", ell(), {.touchable = false}}});
-  expect_failure(palpa_here({"decompose", "--scene", scenery, "--out", out}), 4, "touched");
   geometry::Mesh flat;
   flat.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   flat.triangles = {{0, 1, 2}};
-  expect_failure(palpa_here({"decompose", "--scene", scene("flat.glb", {{"leaf", flat}}), "--out", out}), 4,
-                 "mesh \"leaf\" is flat");
-  EXPECT_FALSE(std::filesystem::exists(out));
-  EXPECT_FALSE(std::filesystem::exists(out + ".unfinished"));
+  expect_refused({"decompose", "--out", out_},
+                 {{{}, "--scene is missing"},
+                  {{"--scene", cube_, "--parts", "0"}, "from 1 to 1024"},
+                  {{"--scene", cube_, "--parts", "1025"}, "from 1 to 1024"},
+                  {{"--scene", cube_, "--resolution", "10"}, "such as 400k"},
+                  {{"--scene", cube_, "--resolution", "4.5k x"}, "such as 400k"},
+                  {{"--scene", cube_, "--error", "0"}, "--error"},
+                  {{"--scene", file("none.glb")}, "none.glb", 4},
+                  {{"--scene", scene("scenery.glb", {{"table", ell(), {.touchable = false}}})}, "touched", 4},
+                  {{"--scene", scene("flat.glb", {{"leaf", flat}})}, "mesh \"leaf\" is flat", 4}});
+  EXPECT_FALSE(std::filesystem::exists(out_));
+  EXPECT_FALSE(std::filesystem::exists(out_ + ".unfinished"));
+  expect_refused({"decompose", "--scene", cube_}, {{{}, "--out is missing"},
+                                                   {{"--out", file("no/where.glb")}, "cannot be written", 1},
+                                                   {{"--out", "/dev/full"}, "cannot be written", 1}});
 }
 
 TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
@@ -273,8 +209,8 @@ TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
     const double x = 0.02 * (i % 8), z = 0.02 * (i / 8);
     geometry::append(mesh, box({x, -0.04, z}, {x + 0.012, 0.003 * i, z + 0.012}));
   }
-  const std::string in = scene("bumps.glb", {{"bumps", mesh}}), out = file("interrupted.glb");
-  Terminal terminal({"decompose", "--scene", in, "--resolution", "4M", "--out", out});
+  const std::string in = scene("bumps.glb", {{"bumps", mesh}});
+  Terminal terminal({"decompose", "--scene", in, "--resolution", "4M", "--out", out_});
   EXPECT_TRUE(terminal.shows("mesh \"bumps\": cutting it into convex parts")) << terminal.text();
   terminal.type("\x03");
   const auto begin = std::chrono::steady_clock::now();
@@ -285,10 +221,12 @@ TEST_F(Decompose, LeavesNothingBehindWhenInterrupted) {
 
 TEST_F(DecomposeConvex, WithoutVhacdAConcaveMeshIsRefusedWithHowToGetIt) {
   if (geometry::has_vhacd()) GTEST_SKIP() << "skipped: built with V-HACD";
-  expect_failure(
-      palpa({"decompose", "--scene", scene("ell.glb", {{"ell", ell()}}), "--out", file("out.glb")}), 1,
-      "mesh \"ell\": this palpa was built without V-HACD, which makes the parts: install npm and build again");
-  EXPECT_FALSE(std::filesystem::exists(file("out.glb")));
+  expect_refused({"decompose", "--scene", scene("ell.glb", {{"ell", ell()}}), "--out", out_},
+                 {{{},
+                   "mesh \"ell\": this palpa was built without V-HACD, which makes the parts: install npm and build "
+                   "again",
+                   1}});
+  EXPECT_FALSE(std::filesystem::exists(out_));
 }
 
 }  // namespace

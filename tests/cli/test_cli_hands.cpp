@@ -1,27 +1,20 @@
-// Hands, most of them recorded: a touch finds exactly the fingers that a person sees in the depth picture. Computed in
-// the tests' own process and by `palpa touch`. Camera frame = world.
+// Hands, most of them recorded: `palpa touch` finds exactly the fingers that a person sees in the depth picture. Camera
+// frame = world.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cli/support/boxes.hpp"
-#include "cli/support/touch_here.hpp"
+#include "cli/support/process.hpp"
 #include "cli/support/touch_json.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
-#include "session/session.hpp"
-#include "setup/load.hpp"
-#include "setup/tasks/touch.hpp"
-#include "setup/touch_input.hpp"
-#include "support/device.hpp"
+#include "support/files.hpp"
 #include "support/hand_tips.hpp"
 #include "support/shared_data.hpp"
 #include "touch/fingertips.hpp"
@@ -47,16 +40,17 @@ Pixel pixel_of(const Lens& lens, const Vec3& p) {
 }
 
 fs::path write_camera(const fs::path& folder, const Lens& lens) {
-  fs::path file = folder / "camera.toml";
-  std::ofstream toml(file);
-  toml.precision(17);
-  toml << "[[camera]]\nname = \"recorded\"\nwidth = " << lens.width << "\nheight = " << lens.height
-       << "\nfx = " << lens.f << "\nfy = " << lens.f << "\ncx = " << lens.cx << "\ncy = " << lens.cy
-       << "\ndistortion = [0.0, 0.0, 0.0, 0.0, 0.0]\ndepth_unit_m = " << lens.unit_m
-       << "\nmin_range_m = 0.1\nrate_hz = 30.0\nT_world_camera = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, "
-          "0.0, 1.0, "
-          "0.0], [0.0, 0.0, 0.0, 1.0]]\n";
-  return file;
+  sensing::Camera camera;
+  camera.name = "recorded";
+  camera.width = lens.width;
+  camera.height = lens.height;
+  camera.fx = camera.fy = lens.f;
+  camera.cx = lens.cx;
+  camera.cy = lens.cy;
+  camera.depth_unit_m = lens.unit_m;
+  camera.min_range_m = 0.1;
+  write_text(folder / "camera.toml", sensing::to_toml({.file = {}, .cameras = {camera}}));
+  return folder / "camera.toml";
 }
 
 /// A box whose face stands on the line between two pixels of the picture at depth z, edge-on to the camera; the box
@@ -70,28 +64,13 @@ TiltedBox beside_line(const Lens& lens, const std::string& name, const Pixel& fr
 
 class Hands : public testing::TestWithParam<std::string> {
  protected:
-  /// The report that `palpa touch` prints for the image, computed in the tests' own process and on their device.
-  TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens, double delta = 1.5e-3,
-                    touch::Cluster cluster = touch::Cluster::contacts) {
-    std::vector<geometry::Solid> solids = setup::load_solids(scene.string());
-    setup::TouchInputOptions files;
-    files.depths = {image.string()};
-    files.cameras = {write_camera(scene.parent_path(), lens).string()};
-    const setup::TouchInput input = setup::load_touch_input(files, solids);
-    session::SessionSetting setting{.scene = scene.string(),
-                                    .solids = std::move(solids),
-                                    .cameras = input.cameras,
-                                    .events = std::nullopt,
-                                    .follow = false,
-                                    .frame_by_frame = true};
-    setting.touch.delta_m = delta;
-    setting.touch.cluster = cluster;
-    session::Session session = GetParam() == "gpu" ? session::Session(test_device(), std::move(setting))
-                                                   : session::Session(std::move(setting));
-    const touch::Touch& found = session.touch(input.frames, 0);
-    const setup::TouchResult result{
-        .one = {{}, std::move(session), found}, .points = input.point_count, .times = {{"in all", 0.0}}};
-    return read_touch(to_json(result), delta);
+  /// What `palpa touch` reports for the image, with more options.
+  static TouchReport touch(const fs::path& scene, const fs::path& image, const Lens& lens,
+                           const std::vector<std::string>& more = {}, double delta = 1.5e-3) {
+    return run_touch_here(with({"touch", "--scene", scene, "--depth", image, "--camera",
+                                write_camera(scene.parent_path(), lens), "--backend", GetParam()},
+                               more),
+                          delta);
   }
 };
 
@@ -104,10 +83,6 @@ TEST_P(Hands, Sr305ThreeFingersReachIntoOneBox) {
   const fs::path scene = scratch_folder("hand-one-box") / "box.glb";
   write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   const TouchReport report = touch(scene, image, sr305);
-  // The real program finds the same.
-  const TouchReport command = run_touch({"--scene", scene.string(), "--depth", image.string(), "--camera",
-                                         (scene.parent_path() / "camera.toml").string(), "--backend", GetParam()});
-  EXPECT_EQ(command.without_times, report.without_times);
   ASSERT_EQ(report.fingers.size(), 3u);
   // From the top of the picture: middle, ring, little.
   const double rows[]{204, 227, 256};
@@ -140,12 +115,12 @@ TEST_P(Hands, Sr305SkinInsideIsThreeFingersOrTheWholeHand) {
   write_boxes(ends, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   write_boxes(palm, {beside_line(sr305, "box", {240, 150}, {240, 290}, 0.57)});
   const TouchReport contacts = touch(ends, image, sr305),
-                    inside = touch(ends, image, sr305, 1.5e-3, touch::Cluster::inside);
+                    inside = touch(ends, image, sr305, {"--cluster", "inside"});
   EXPECT_EQ(inside.contacts, contacts.contacts);
   ASSERT_EQ(inside.fingers.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_EQ(inside.fingers[i].indices, contacts.fingers[i].indices);
-  const TouchReport rings = touch(palm, image, sr305), hand = touch(palm, image, sr305, 1.5e-3, touch::Cluster::inside);
+  const TouchReport rings = touch(palm, image, sr305), hand = touch(palm, image, sr305, {"--cluster", "inside"});
   EXPECT_GE(rings.fingers.size(), 3u);
   ASSERT_EQ(hand.fingers.size(), 1u);
   EXPECT_EQ(hand.contacts, rings.contacts);
@@ -187,7 +162,7 @@ TEST_P(Hands, KinectTwoHandsAreTenFingersWithOneLabelledTipEach) {
   const fs::path scene = scratch_folder("two-hands") / "boxes.glb";
   write_boxes(scene, kinect_boxes(tips));
   const TouchReport rings = touch(scene, folder / "two_hands.png", kinect);
-  const TouchReport inside = touch(scene, folder / "two_hands.png", kinect, 0.5);
+  const TouchReport inside = touch(scene, folder / "two_hands.png", kinect, {"--delta", "0.5"}, 0.5);
   ASSERT_EQ(rings.fingers.size(), 10u);
   ASSERT_EQ(inside.fingers.size(), 10u);
   for (const TouchFinger& finger : inside.fingers) {
@@ -214,97 +189,38 @@ TEST_P(Hands, APersonWithoutAHandTouchesNothing) {
   EXPECT_TRUE(report.fingers.empty());
 }
 
-TEST_P(Hands, SeveralCamerasConcatenateTheirPixels) {
-  PALPA_SHARED_OR_SKIP(image, sr305_hand);
-  PALPA_SHARED_OR_SKIP(other, "depth-hand-sr305-ondris/20210326-230536_90.png");
+/// One fingertip that two cameras see from two sides: two patches.
+TEST_P(Hands, TwoCamerasAreARigsOrAFileEachAndMayIgnorePixels) {
   const fs::path folder = scratch_folder("two-cameras");
-  const fs::path scene = folder / "box.glb";
-  write_boxes(scene, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
-  const std::string camera = write_camera(folder, sr305).string();
-  const auto both = [&](const fs::path& first, const fs::path& second) {
-    return run_touch_here({"--scene", scene.string(), "--backend", GetParam(), "--depth", first.string(), "--camera",
-                           camera, "--depth", second.string(), "--camera", camera});
-  };
-  const TouchReport a = touch(scene, image, sr305), b = touch(scene, other, sr305), ab = both(image, other),
-                    ba = both(other, image);
-  EXPECT_EQ(ab.points, a.points + b.points);
-  const auto joined = [](const TouchReport& first, const TouchReport& second) {
-    std::vector<std::uint32_t> indices = first.contacts;
-    for (const std::uint32_t index : second.contacts)
-      indices.push_back(index + 640 * 480);
-    return indices;
-  };
-  EXPECT_EQ(ab.contacts, joined(a, b));
-  EXPECT_EQ(ba.contacts, joined(b, a));
-}
-
-/// One fingertip that two cameras see from two sides.
-TEST_P(Hands, TwoPatchesOfAFingertipAreOneFingerUnlessNoWidthIsAllowed) {
-  const fs::path folder = scratch_folder("finger-width");
-  const auto cameras = touch::test::ring_of_cameras(2, 20, 30);
-  const auto images = touch::test::images_of(cameras, {{.press_m = 5e-3}}, 1);
-  std::vector<std::string> line{"--scene", source_file("assets/cube.glb").string(), "--backend", GetParam(),
-                                "--rig",   (folder / "rig.toml").string()};
-  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const fs::path image = folder / (std::to_string(i) + ".png");
-    sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
-    line.insert(line.end(), {"--depth", image.string()});
-  }
-  EXPECT_EQ(run_touch_here(line).fingers.size(), 1u);
-  line.insert(line.end(), {"--finger-width", "10mm"});
-  EXPECT_EQ(run_touch_here(line).fingers.size(), 2u);
-  line.back() = "0";
-  EXPECT_EQ(run_touch_here(line).fingers.size(), 2u);
-}
-
-/// The same fingertip, and a rig that ignores some of it: what is left touches as it did.
-TEST_P(Hands, WhatACameraIgnoresIsNoSkin) {
-  const fs::path folder = scratch_folder("ignored");
   auto cameras = touch::test::ring_of_cameras(2, 20, 30);
   const auto images = touch::test::images_of(cameras, {{.press_m = 5e-3}}, 1);
-  std::vector<std::string> line{"--scene", source_file("assets/cube.glb").string(), "--backend", GetParam(),
-                                "--rig",   (folder / "rig.toml").string()};
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const fs::path image = folder / (std::to_string(i) + ".png");
-    sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
-    line.insert(line.end(), {"--depth", image.string()});
-  }
-  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
-  const TouchReport all = run_touch_here(line);
-
-  // The left half of what touches in the one, every second row of the other.
-  const auto first_end = static_cast<std::uint32_t>(sensing::pixel_count(cameras[0]));
-  std::vector<std::uint32_t> columns;
-  for (const std::uint32_t index : all.contacts) {
-    if (index < first_end) columns.push_back(index % cameras[0].width);
-  }
-  ASSERT_FALSE(columns.empty());
-  std::ranges::nth_element(columns, columns.begin() + static_cast<std::ptrdiff_t>(columns.size() / 2));
-  cameras[0].roi = {0, 0, columns[columns.size() / 2], cameras[0].height};
-  sensing::Mask mask{(folder / "rows.png").string(), {}};
-  for (std::uint32_t v = 0; v < cameras[1].height; ++v)
-    mask.pixels.insert(mask.pixels.end(), cameras[1].width, v % 2 == 0 ? 0 : 255);
-  sensing::write_png8(mask.file, cameras[1].width, cameras[1].height, mask.pixels);
-  cameras[1].mask = std::make_shared<sensing::Mask>(mask);
-  std::ofstream(folder / "rig.toml") << sensing::to_toml({.file = {}, .cameras = cameras});
-  const auto ignored = [&](std::uint32_t index) {
-    const std::size_t c = index < first_end ? 0 : 1;
-    const std::uint32_t pixel = index - (c == 0 ? 0 : first_end);
-    return sensing::is_ignored(cameras[c], pixel % cameras[c].width, pixel / cameras[c].width);
+  const auto write_rig = [](const fs::path& file, const std::vector<sensing::Camera>& of) {
+    write_text(file, sensing::to_toml({.file = {}, .cameras = of}));
+    return file.string();
   };
-  std::uint64_t points = 0;
-  for (std::uint32_t index = 0; index < first_end + sensing::pixel_count(cameras[1]); ++index) {
-    const std::uint16_t depth = index < first_end ? images[0].depth[index] : images[1].depth[index - first_end];
-    points += !ignored(index) && depth >= sensing::first_valid_depth(cameras[0]);
+  std::vector<std::string> touch{"touch", "--scene", source_file("assets/cube.glb"), "--backend", GetParam()}, each;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const std::string name = folder / std::to_string(i), image = name + ".png";
+    sensing::write_png16(image, cameras[i].width, cameras[i].height, images[i].depth);
+    touch.insert(touch.end(), {"--depth", image});
+    each.insert(each.end(), {"--camera", write_rig(name + ".toml", {cameras[i]})});
   }
-  std::vector<std::uint32_t> kept = all.contacts;
-  std::erase_if(kept, ignored);
-  ASSERT_LT(kept.size(), all.contacts.size());
+  const std::vector<std::string> line = with(touch, {"--rig", write_rig(folder / "rig.toml", cameras)});
+  const TouchReport both = run_touch_here(line);
+  EXPECT_EQ(both.fingers.size(), 1u);
+  EXPECT_EQ(run_touch_here(with(touch, each)).without_times, both.without_times);
+  // Unless no finger is as wide.
+  for (const char* width : {"10mm", "0"})
+    EXPECT_EQ(run_touch_here(with(line, {"--finger-width", width})).fingers.size(), 2u) << width;
+
+  // What a camera ignores is no skin; the rest touches as it did.
+  cameras[1].roi = {0, 0, 1, 1};
+  write_rig(folder / "rig.toml", cameras);
+  std::vector<std::uint32_t> kept = both.contacts;
+  std::erase_if(kept, [&](std::uint32_t index) { return index >= sensing::pixel_count(cameras[0]); });
   ASSERT_GT(kept.size(), 20u);
-  const TouchReport some = run_touch_here(line);
-  EXPECT_EQ(some.points, points);
-  EXPECT_EQ(some.contacts, kept);
+  ASSERT_LT(kept.size(), both.contacts.size());
+  EXPECT_EQ(run_touch_here(line).contacts, kept);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, Hands, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });

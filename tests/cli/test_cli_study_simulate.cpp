@@ -10,6 +10,7 @@
 #include "base/sha256.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/told.hpp"
 #include "geometry/files/ply.hpp"
 #include "support/own_cache.hpp"
 #include "support/shapes.hpp"
@@ -20,10 +21,6 @@ namespace palpa::test {
 namespace {
 
 using nlohmann::json;
-
-std::string without_fit(const std::string& plan) {
-  return plan.substr(0, plan.find("[fit]"));
-}
 
 class CliStudySimulate : public testing::Test {
  protected:
@@ -78,24 +75,21 @@ TEST_F(CliStudySimulate, PredictsAStudy) {
 }
 
 TEST_F(CliStudySimulate, BadInputIsOneLine) {
-  const auto fails = [&](const std::vector<std::string>& line, int code, const std::string& part) {
-    expect_failure(palpa_here(line), code, part);
-  };
-  fails({"study", "simulate"}, 2, "the plan is missing: give the TOML file of a study");
-  fails({"study", "simulate", path("none.toml")}, 4, "none.toml");
   write_text(path("bad.toml"), read_text(plan_) + "[observers]\n");
-  fails({"study", "simulate", path("bad.toml")}, 4, "observers");
   write_small_plan(path("missing.toml"), cube_, "missing.glb");
-  fails({"study", "simulate", path("missing.toml"), "--finger", tip_}, 4, "missing.glb");
-  fails({"study", "simulate", plan_, "--finger", tip_, "--beside", path("none.csv")}, 4, "none.csv");
-  fails({"study", "simulate", plan_, "--finger", cube_}, 4, "cube.glb");
-  write_text(path("no-fit.toml"), without_fit(read_text(plan_)));
-  fails({"study", "simulate", path("no-fit.toml"), "--finger", tip_}, 4, "[fit] is missing");
+  const std::string whole = read_text(plan_);
+  write_text(path("no-fit.toml"), whole.substr(0, whole.find("[fit]")));
+  std::vector<Told> lines{{{}, "the plan is missing: give the TOML file of a study"},
+                          {{path("none.toml")}, "none.toml", 4},
+                          {{path("bad.toml")}, "observers", 4},
+                          {{path("missing.toml"), "--finger", tip_}, "missing.glb", 4},
+                          {{path("no-fit.toml"), "--finger", tip_}, "[fit] is missing", 4},
+                          {{plan_, "--finger", tip_, "--beside", path("none.csv")}, "none.csv", 4},
+                          {{plan_, "--finger", cube_}, "cube.glb", 4}};
   // Palpa's own plans are good: the fault is the finger.
-  for (const std::string own : {"paper", "five-minutes"}) {
-    fails({"study", "simulate", source_file("assets/studies/" + own + ".toml"), "--finger", path("none.ply")}, 4,
-          "none.ply");
-  }
+  for (const char* own : {"assets/studies/paper.toml", "assets/studies/five-minutes.toml"})
+    lines.push_back({{source_file(own), "--finger", path("none.ply")}, "none.ply", 4});
+  expect_refused({"study", "simulate"}, lines);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/told.hpp"
 #include "geometry/files/ply.hpp"
 #include "sensing/rig.hpp"
 #include "support/files.hpp"
@@ -33,14 +34,20 @@ class Surroundings : public testing::Test {
 
   /// An export's JSON; `err` gets what it wrote on stderr.
   json exported(const std::vector<std::string>& words, std::string* err = nullptr, int frames = 5) const {
-    const std::vector<std::string> line{"export",        "--frames", std::to_string(frames), "--events",
-                                        in("all.jsonl"), "--json",   in("all.json")};
-    std::vector<std::string> all = line;
-    all.insert(all.end(), words.begin(), words.end());
-    const Result result = palpa_here(all);
+    const Result result = palpa_here(with({"export", "--backend", "cpu", "--frames", std::to_string(frames), "--events",
+                                           in("all.jsonl"), "--json", in("all.json")},
+                                          words));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     if (err) *err = result.err;
     return json::parse(read_text(in("all.json")));
+  }
+  /// The deepest touch of the last export.
+  double deepest() const {
+    double most = 0;
+    std::istringstream lines(read_text(in("all.jsonl")));
+    for (std::string text; std::getline(lines, text);)
+      most = std::max(most, json::parse(text)["depth_m"].get<double>());
+    return most;
   }
 
   /// The small rig with more lines.
@@ -50,44 +57,24 @@ class Surroundings : public testing::Test {
   }
 };
 
-TEST_F(Surroundings, BoardsThatReachIntoTheObjectAreNoSkin) {
+TEST_F(Surroundings, BoardsThatReachIntoTheObjectAreNoSkinUnlessKept) {
   std::string err;
-  const json counted = exported({"--scene", hand, "--backend", "cpu"}, &err, 2);
-  EXPECT_GT(counted["dropped"]["boards"], 90'000);
+  const json counted = exported({"--scene", hand, "--rig", rig}, &err, 1);
+  EXPECT_GT(counted["dropped"]["boards"], 100);
   EXPECT_EQ(counted["dropped"]["screen"], 0);
   EXPECT_CONTAINS(err, "hand.glb: mesh \"hand\" reaches into");
   EXPECT_CONTAINS(err, "--keep-boards");
   EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
-  EXPECT_EQ(exported({"--scene", hand}, nullptr, 2), counted);  // the device counts the same
-}
-
-TEST_F(Surroundings, KeepBoardsKeepsThem) {
-  const std::string events = in("events.jsonl");
-  const auto deepest = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> line{"export",   "--scene", hand,       "--rig", rig,       "--backend", "cpu",
-                                  "--frames", "1",       "--events", events,  "--quiet", "--json",    in("kept.json")};
-    line.insert(line.end(), more.begin(), more.end());
-    const Result result = palpa_here(line);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.err, "");
-    double most = 0;
-    std::istringstream lines(read_text(events));
-    for (std::string text; std::getline(lines, text);)
-      most = std::max(most, json::parse(text)["depth_m"].get<double>());
-    return most;
-  };
-  const double with_boards = deepest({"--keep-boards"});
-  EXPECT_FALSE(json::parse(read_text(in("kept.json"))).contains("dropped"));
-  const double without = deepest({});
-  EXPECT_TRUE(json::parse(read_text(in("kept.json"))).contains("dropped"));
-  EXPECT_GT(with_boards, without + 5e-3) << "a false touch deep inside";
-  EXPECT_LT(without, 0.012);
+  const double without_boards = deepest();
+  EXPECT_LT(without_boards, 0.012);
+  EXPECT_FALSE(exported({"--scene", hand, "--rig", rig, "--keep-boards", "--quiet"}, &err, 1).contains("dropped"));
+  EXPECT_EQ(err, "");
+  EXPECT_GT(deepest(), without_boards + 5e-3) << "a false touch deep inside";
 
   write_text(in("bare.toml"), "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
-  const Result refused = palpa_here({"export", "--scene", cube, "--layout", in("bare.toml"), "--frames", "1",
-                                     "--events", "-", "--keep-boards", "--backend", "cpu"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_CONTAINS(refused.err, "has no boards to keep");
+  expect_refused({"export", "--scene", cube, "--layout", in("bare.toml"), "--frames", "1", "--events", "-",
+                  "--keep-boards", "--backend", "cpu"},
+                 {{{}, "has no boards to keep"}});
 }
 
 TEST_F(Surroundings, ScreenAndRoomDropWhatIsThere) {
@@ -96,28 +83,25 @@ TEST_F(Surroundings, ScreenAndRoomDropWhatIsThere) {
       "[screen]\nwidth_m = 0.2\nheight_m = 0.2\nT_world_screen = [[1, 0, 0, 0], [0, 0, 1, 0.01], [0, -1, 0, 0], "
       "[0, 0, 0, 1]]\neye_m = [0, 0.1, 0.6]\n");
   std::string err;
-  const json on_screen = exported({"--scene", cube, "--rig", screen, "--backend", "cpu"}, &err);
+  const json on_screen = exported({"--scene", cube, "--rig", screen}, &err);
   EXPECT_GT(on_screen["dropped"]["screen"], 10);
   EXPECT_EQ(on_screen["touching"], 0);
   EXPECT_CONTAINS(err, "reaches into the screen");
 
-  const json inside =
-      exported({"--scene", cube, "--rig", rig_with("[room]\nlow_m = [-0.1, -0.1, -0.1]\nhigh_m = [0.1, 0.1, 0.1]\n"),
-                "--backend", "cpu"});
+  const auto in_room = [&](const std::string& high) {
+    return rig_with("[room]\nlow_m = [-0.1, -0.1, -0.1]\nhigh_m = " + high + "\n");
+  };
+  const json inside = exported({"--scene", cube, "--rig", in_room("[0.1, 0.1, 0.1]")});
   EXPECT_EQ(inside["dropped"]["room"], 0);
   EXPECT_GT(inside["touching"], 0);
-  const json cut =
-      exported({"--scene", cube, "--rig", rig_with("[room]\nlow_m = [-0.1, -0.1, -0.1]\nhigh_m = [0.1, -0.01, 0.1]\n"),
-                "--backend", "cpu"});
+  const json cut = exported({"--scene", cube, "--rig", in_room("[0.1, -0.01, 0.1]")});
   EXPECT_GT(cut["dropped"]["room"], 20);
   EXPECT_EQ(cut["touching"], 0);
 
-  const Result elsewhere =
-      palpa_here({"run", "--scene", cube, "--rig", rig_with("[room]\nlow_m = [1, 1, 1]\nhigh_m = [2, 2, 2]\n"),
-                  "--frames", "1", "--backend", "cpu"});
-  EXPECT_EQ(elsewhere.exit_code, 4);
-  EXPECT_CONTAINS(elsewhere.err, "more.toml: line 23: the room contains no solid");
-  EXPECT_EQ(std::count(elsewhere.err.begin(), elsewhere.err.end(), '\n'), 1) << elsewhere.err;
+  expect_refused({"run", "--scene", cube, "--frames", "1", "--backend", "cpu", "--rig"},
+                 {{{rig_with("[room]\nlow_m = [1, 1, 1]\nhigh_m = [2, 2, 2]\n")},
+                   "more.toml: line 23: the room contains no solid",
+                   4}});
 }
 
 TEST_F(Surroundings, ABackgroundThatWasLearnedIsNoSkin) {
@@ -141,8 +125,7 @@ TEST_F(Surroundings, ABackgroundThatWasLearnedIsNoSkin) {
 
   // In five frames, the source's motion moves the stick by less than the noise.
   const auto seen = [&](const std::string& with_rig) {
-    return exported({"--scene", cube, "--rig", with_rig, "--source", "synthetic:" + in("stick.ply"), "--seed", "5",
-                     "--backend", "cpu"});
+    return exported({"--scene", cube, "--rig", with_rig, "--source", "synthetic:" + in("stick.ply"), "--seed", "5"});
   };
   const json noisy = seen(rig), clean = seen(in("quiet.toml"));
   EXPECT_EQ(noisy["dropped"]["background"], 0);
@@ -151,13 +134,10 @@ TEST_F(Surroundings, ABackgroundThatWasLearnedIsNoSkin) {
   EXPECT_EQ(clean["touching"], 0);
   write_text(in("other.toml"),
              read_text(in("quiet.toml")).replace(read_text(in("quiet.toml")).find("front left"), 10, "front right"));
-  const Result other = palpa_here({"run", "--scene", cube, "--rig", in("other.toml"), "--frames", "1"});
-  EXPECT_EQ(other.exit_code, 4);
-  EXPECT_CONTAINS(other.err, "quiet-front-left.png: is of the camera front left");
-
-  const Result refused = palpa_here({"calibrate", "--background", "--rig", rig, "--frames", "5"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_CONTAINS(refused.err, "a background is learned from 10 to 1000");
+  expect_refused({"run", "--scene", cube, "--rig", in("other.toml"), "--frames", "1"},
+                 {{{}, "quiet-front-left.png: is of the camera front left", 4}});
+  expect_refused({"calibrate", "--background", "--rig", rig, "--frames", "5"},
+                 {{{}, "a background is learned from 10 to 1000"}});
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
+#include "cli/support/told.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 
@@ -32,52 +33,55 @@ class CliReferences : public testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   /// The line is refused where references stay inside, and goes further with --allow-outside, to the error `further`.
   static void expect_inside(const std::vector<std::string>& line, const std::string& further) {
-    SCOPED_TRACE(line[0] + " " + line.back());
-    expect_failure(palpa_here(line), 4, "--allow-outside");
-    expect_failure(palpa_here(with(line, {"--allow-outside"})), 4, further);
+    expect_refused(line, {{{}, "--allow-outside", 4}, {{"--allow-outside"}, further, 4}});
+  }
+  static void expect_success(const std::vector<std::string>& line) {
+    const Result result = palpa_here(line);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  }
+  std::vector<std::string> touch_model() const {
+    return {"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"};
   }
 
   fs::path top_ = scratch_folder("references"), folder_ = top_ / "theirs";
-  std::string points_ = source_file("assets/finger.ply").string();
+  std::string points_ = source_file("assets/finger.ply"), cube_ = source_file("assets/cube.glb");
 };
 
 TEST_F(CliReferences, OfScenesStayInTheirFolderWhateverReadsThem) {
   write_scene(folder_ / "model.gltf", "../short.bin");
-  const std::string model = path("model.gltf"), too_short = "has 2 bytes";
-  const std::vector<std::string> sources{"synthetic:" + model};
-  expect_inside({"touch", "--scene", model, "--points", points_}, too_short);
-  expect_inside({"run", "--scene", model}, too_short);
-  expect_inside({"run", "--scene", source_file("assets/cube.glb").string(), "--source", sources[0]}, too_short);
-  expect_inside({"export", "--scene", model, "--frames", "1", "--foci", "-"}, too_short);
-  expect_inside({"decompose", "--scene", model, "--out", "-"}, too_short);
-  expect_inside({"simulate", "--scene", model, "--finger", points_}, too_short);
-  expect_inside({"simulate", "--scene", source_file("assets/cube.glb").string(), "--finger", model}, too_short);
-  expect_inside({"scatter", "--mesh", model, "--plane-wave", "0,0,1"}, too_short);
-  expect_inside({"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--transfer", "finger", "--mesh", model},
-                too_short);
-  expect_inside({"calibrate", "--source", sources[0]}, too_short);
-  expect_inside({"calibrate", "--nudge", "--scene", model, "--keys", "enter", "--out", path("out.toml")}, too_short);
+  const std::string model = path("model.gltf");
+  for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
+           {"touch", "--scene", model, "--points", points_},
+           {"run", "--scene", model},
+           {"run", "--scene", cube_, "--source", "synthetic:" + model},
+           {"export", "--scene", model, "--frames", "1", "--foci", "-"},
+           {"decompose", "--scene", model, "--out", "-"},
+           {"simulate", "--scene", model, "--finger", points_},
+           {"simulate", "--scene", cube_, "--finger", model},
+           {"scatter", "--mesh", model, "--plane-wave", "0,0,1"},
+           {"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--transfer", "finger", "--mesh", model},
+           {"calibrate", "--source", "synthetic:" + model},
+           {"calibrate", "--nudge", "--scene", model, "--keys", "enter", "--out", path("out.toml")}})
+    expect_inside(line, "has 2 bytes");
 }
 
-TEST_F(CliReferences, OfScenesAreResolvedFirst) {
-  for (const char* uri : {"../short.bin", "%2e%2e/short.bin", "..%2Fshort.bin", "link.bin", "up/short.bin",
-                          "./up/theirs/../short.bin", "up/theirs/link.bin"}) {
+// base/test_reference.cpp has every way out of a folder.
+TEST_F(CliReferences, OfScenesAreDecodedFirst) {
+  for (const char* uri : {"%2e%2e/short.bin", "..%2Fshort.bin", "link.bin", "up/theirs/link.bin"}) {
     write_scene(folder_ / "model.gltf", uri);
-    expect_inside({"touch", "--scene", path("model.gltf"), "--points", points_}, "has 2 bytes");
+    expect_inside(touch_model(), "has 2 bytes");
   }
-  for (const char* uri : {"beside.bin", "up/theirs/beside.bin", "%2e/beside.bin"}) {
+  for (const char* uri : {"up/theirs/beside.bin", "%2e/beside.bin"}) {
     write_scene(folder_ / "model.gltf", uri);
-    expect_failure(palpa_here({"touch", "--scene", path("model.gltf"), "--points", points_}), 4, "has 2 bytes");
+    expect_refused(touch_model(), {{{}, "has 2 bytes", 4}});
   }
   // Pictures are not opened, wherever they are: a pipe would be waited for, a folder refused.
   ASSERT_EQ(mkfifo((top_ / "pipe").c_str(), 0600), 0);
   write_scene(folder_ / "model.gltf", "whole.bin", "../pipe");
   fs::copy_file(top_ / "whole.bin", folder_ / "whole.bin");
-  EXPECT_EQ(palpa_here({"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"}).exit_code, 0);
+  expect_success(touch_model());
   write_scene(folder_ / "model.gltf", "../whole.bin");
-  const std::vector<std::string> touch{"touch",     "--scene", path("model.gltf"), "--points", points_,
-                                       "--backend", "cpu",     "--allow-outside"};
-  EXPECT_EQ(palpa_here(touch).exit_code, 0);
+  expect_success(with(touch_model(), {"--allow-outside"}));
 }
 
 TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
@@ -86,45 +90,31 @@ TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
   fs::create_symlink("../depth-0.png", folder_ / "link-0.png");
   write_text(top_ / "times.csv", "Q7 secret\n");
   write_text(top_ / "mask.png", "Q7 secret\n");
-  const std::vector<std::string> run{"run",
-                                     "--scene",
-                                     source_file("assets/cube.glb").string(),
-                                     "--source",
-                                     "recording:" + folder_.string(),
-                                     "--frames",
-                                     "1",
-                                     "--backend",
-                                     "cpu",
-                                     "--layout",
-                                     "openmpd"};
+  const auto run_from = [&](const std::string& recording) {
+    return std::vector<std::string>{"run", "--scene", cube_,       "--source", "recording:" + recording, "--frames",
+                                    "1",   "--layout", "openmpd", "--backend", "cpu"};
+  };
+  const std::vector<std::string> run = run_from(folder_);
   const auto with_keys = [&](const std::string& keys, const std::string& mask = {}) {
     write_recording(folder_ / "recording.toml", keys, mask);
     return run;
   };
-  const auto goes_on = [&](const std::vector<std::string>& line) {
-    const Result result = palpa_here(line);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-  };
-  goes_on(with_keys("files = [\"depth-%d.png\"]\n"));
-  for (const std::string& name : {std::string("../depth-%d.png"), std::string("up/depth-%d.png"),
-                                  std::string("link-%d.png"), (top_ / "depth-%d.png").string()}) {
-    SCOPED_TRACE(name);
-    expect_failure(palpa_here(with_keys("files = [\"" + name + "\"]\n")), 4, "--allow-outside");
-    expect_failure(palpa_here(with_keys("count = 1\nfiles = [\"" + name + "\"]\n")), 4, "--allow-outside");
-    goes_on(with(run, {"--allow-outside"}));
+  expect_success(with_keys("files = [\"depth-%d.png\"]\n"));
+  for (const std::string& name : {std::string("up/depth-%d.png"), std::string("link-%d.png"),
+                                  (top_ / "depth-%d.png").string()}) {
+    for (const std::string count : {"", "count = 1\n"})
+      expect_refused(with_keys(count + "files = [\"" + name + "\"]\n"), {{{}, "--allow-outside", 4}});
+    expect_success(with(run, {"--allow-outside"}));
   }
-  expect_failure(palpa_here(with_keys("[[frame]]\ntime_s = 1\nfiles = [\"../depth-0.png\"]\n")), 4, "--allow-outside");
+  expect_refused(with_keys("[[frame]]\ntime_s = 1\nfiles = [\"../depth-0.png\"]\n"), {{{}, "--allow-outside", 4}});
   expect_inside(with_keys("files = [\"depth-%d.png\"]\ntimes = \"../times.csv\"\n"), "expected the heading");
   expect_inside(with_keys("files = [\"depth-%d.png\"]\n", "../mask.png"), "is not a PNG file");
-  // The recording may be a link itself, out of the folder that the user names.
+  // The recording may be a link itself, out of the folder that the user names; its own name is the user's.
   with_keys("files = [\"depth-%d.png\"]\n");
   fs::rename(folder_ / "recording.toml", top_ / "recording.toml");
   fs::create_symlink("../recording.toml", folder_ / "recording.toml");
-  expect_failure(palpa_here(run), 4, "--allow-outside");
-  // Its own name is the user's.
-  std::vector<std::string> named = run;
-  named[4] = "recording:" + path("recording.toml");
-  goes_on(named);
+  expect_refused(run, {{{}, "--allow-outside", 4}});
+  expect_success(run_from(path("recording.toml")));
 }
 
 TEST_F(CliReferences, ArePlacedByRigsAndLayoutsAsTheUserLikes) {
@@ -132,34 +122,16 @@ TEST_F(CliReferences, ArePlacedByRigsAndLayoutsAsTheUserLikes) {
   sensing::write_png8(top_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
   write_text(folder_ / "rig.toml",
              std::string(tiny_camera) + "mask = \"../mask.png\"\n[array]\nlayout = \"../mine.toml\"\n");
-  const Result result = palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--rig",
-                                    path("rig.toml"), "--frames", "1", "--backend", "cpu"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  expect_success({"run", "--scene", cube_, "--rig", path("rig.toml"), "--frames", "1", "--backend", "cpu"});
 }
 
 // Whatever file is given for whatever is wanted: nothing of it is shown.
 TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
-  const std::string cube = source_file("assets/cube.glb").string();
-  for (const char* contents : {"Q7Zecret:Q7Zecret:1\n",
-                               "Q7Zecret\n",
-                               "Q7Zecret = \n",
-                               "a = Q7Zecret\n",
-                               "a = \"Q7Zecret\nb = 1",
-                               "[Q7Zecret\n",
-                               "a = 1Q7Zecret\n",
-                               "a = '''Q7Zecret",
-                               "a = [1, 2 Q7Zecret",
-                               "\"\\Q7Zecret\" = 1\n",
-                               "a.Q7Zecret = 1\na.Q7Zecret = 1\n",
-                               "{Q7Zecret}\n",
-                               "{\"a\": Q7Zecret}\n",
-                               "sn Q7Zecret 256\n",
-                               "1 Q7Zecret\n",
-                               "1 2 3 Q7Zecret\n",
-                               "Q7Zecret = 1\n",
-                               "[Q7Zecret]\n",
-                               "[[Q7Zecret]]\na = 1\n",
-                               "[\"Q7Zecret\"]"}) {
+  for (const char* contents :
+       {"Q7Zecret:Q7Zecret:1\n", "Q7Zecret\n", "Q7Zecret = \n", "a = Q7Zecret\n", "a = \"Q7Zecret\nb = 1",
+        "[Q7Zecret\n", "a = 1Q7Zecret\n", "a = '''Q7Zecret", "a = [1, 2 Q7Zecret", "\"\\Q7Zecret\" = 1\n",
+        "a.Q7Zecret = 1\na.Q7Zecret = 1\n", "{Q7Zecret}\n", "{\"a\": Q7Zecret}\n", "sn Q7Zecret 256\n", "1 Q7Zecret\n",
+        "1 2 3 Q7Zecret\n", "Q7Zecret = 1\n", "[Q7Zecret]\n", "[[Q7Zecret]]\na = 1\n", "[\"Q7Zecret\"]"}) {
     SCOPED_TRACE(contents);
     const std::string file = path("theirs");
     write_text(file, contents);
@@ -170,14 +142,14 @@ TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
     write_text(folder_ / "model.glb", contents);
     for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
              {"touch", "--scene", path("model.glb"), "--points", points_},
-             {"touch", "--scene", cube, "--points", file},
-             {"touch", "--scene", cube, "--depth", file},
-             {"touch", "--scene", cube, "--depth", file, "--camera", file},
-             {"run", "--scene", cube, "--rig", file},
-             {"run", "--scene", cube, "--rig", path("theirs.toml")},
-             {"run", "--scene", cube, "--source", "recording:" + file},
-             {"run", "--scene", cube, "--source", "bag:" + file},
-             {"drive", "--layout", path("theirs") + "", "--focus", "0,0,0.1"},
+             {"touch", "--scene", cube_, "--points", file},
+             {"touch", "--scene", cube_, "--depth", file},
+             {"touch", "--scene", cube_, "--depth", file, "--camera", file},
+             {"run", "--scene", cube_, "--rig", file},
+             {"run", "--scene", cube_, "--rig", path("theirs.toml")},
+             {"run", "--scene", cube_, "--source", "recording:" + file},
+             {"run", "--scene", cube_, "--source", "bag:" + file},
+             {"drive", "--layout", file, "--focus", "0,0,0.1"},
              {"drive", "--layout", "openmpd", "--touch", file},
              {"field", "--layout", "openmpd", "--drive", file, "--plane", "xy", "--size", "1cm,1cm"},
              {"field", "--layout", "openmpd", "--focus", "0,0,0.1", "--points", file},

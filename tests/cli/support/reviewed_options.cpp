@@ -1,129 +1,90 @@
 #include "cli/support/reviewed_options.hpp"
 
-#include <sstream>
-
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "cli/support/every_command.hpp"
-#include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "setup/drive_file.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
-#include "support/shared_data.hpp"
 
 namespace palpa::test {
 
-std::vector<IdleOption> no_gpu_at_all() {
-  return {{{"--gpu", "0"}, "has no option '--gpu'"}, {{"--validation", "core"}, "has no option '--validation'"}};
-}
-
 namespace {
 
-using Effects = std::vector<EffectiveOption>;
-using Idles = std::vector<IdleOption>;
+using Effects = std::vector<EffectiveOptions>;
+using Idles = std::vector<IdleOptions>;
 
-std::string asset(const std::string& name) {
-  return source_file("assets/" + name).string();
-}
-
-template <typename Option>
-std::vector<Option> joined(const std::vector<std::vector<Option>>& lists) {
-  std::vector<Option> all;
+template <typename Item>
+std::vector<Item> joined(const std::vector<std::vector<Item>>& lists) {
+  std::vector<Item> all;
   for (const auto& list : lists)
     all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
-/// All of them beside the same words.
-Effects beside(const std::vector<std::string>& words, Effects options) {
-  for (EffectiveOption& option : options)
-    option.beside = with(option.beside, words);
-  return options;
-}
-
-std::string ply_in(const std::string& folder, const std::string& name, const geometry::Mesh& mesh) {
-  const std::string file = folder + "/" + name;
-  geometry::write_ply(file, mesh.positions, mesh.triangles);
-  return file;
-}
-
-const Idles no_gpu{{{"--gpu", "0"}, "--gpu: --backend cpu uses no GPU"},
-                   {{"--validation", "core"}, "--validation: --backend cpu uses no GPU"}};
-const Idles gpu_of_nudge{{{"--gpu", "0"}, "go with --nudge"}, {{"--validation", "core"}, "go with --nudge"}};
-const Idles parts{{{"--parts", "3"}, "--parts goes with --surface parts"},
-                  {{"--internal-faces", "keep"}, "--internal-faces goes with --surface parts"}};
-const Idles felt{{{"--spot", "4mm"}, "--spot goes with"},
-                 {{"--tune-shortest", "1ms"}, "--tune-shortest goes with --tune"},
-                 {{"--tune-longest", "2ms"}, "--tune-longest goes with --tune"},
-                 {{"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "goes with --tune"}};
+/// The options of a GPU: on a line that uses none, and in a command that has none.
+const Idles no_gpu{{"OPTION: --backend cpu uses no GPU", {"--gpu 0", "--validation core"}}},
+    no_gpu_at_all{{"has no option 'OPTION'", {"--gpu 0", "--validation core"}}};
+const Idles parts{{"OPTION goes with --surface parts", {"--parts 3", "--internal-faces keep"}}};
+const Idles felt{{"OPTION goes with", {"--spot 4mm"}},
+                 {"OPTION goes with --tune", {"--tune-shortest 1ms", "--tune-longest 2ms"}},
+                 {"goes with --tune", {"--tune-shortest 1ms --tune-longest 2ms"}}};
+/// Options of air and of boards, where nothing sounds.
+const std::vector<std::string> sound{"--amplitude uniform", "--solver greedy",  "--constraint clamp",
+                                     "--directivity omni",  "--temperature 25", "--sound-speed 350m/s",
+                                     "--frequency 41kHz"};
 
 /// Options from skin to foci.
-const Effects touched{{{"--delta", "1mm"}}, {{"--finger-gap", "0.1mm"}}, {{"--min-points", "100000"}}};
-const Effects placed{{{"--spacing", "arc"}}, {{"--method", "ellipse"}}};
-const Effects scheduled{{{"--stride", "7"}},
-                        {{"--dwell", "2ms"}},
-                        {{"--modulation", "amplitude-sine"}, {"--method", "single-focus"}},
-                        {{"--modulation-frequency", "100Hz"}, {"--method", "single-focus"}}};
+const std::vector<std::string> touched{"--delta 1mm", "--finger-gap 0.1mm", "--min-points 100000"},
+    placed{"--spacing arc", "--method ellipse"}, scheduled{"--stride 7", "--dwell 2ms"},
+    modulated{"--modulation amplitude-sine", "--modulation-frequency 100Hz"};
 /// Options of drives. Foci have to sound together for a solver to make a difference.
-const Effects driven{{{"--amplitude", "uniform"}}, {{"--constraint", "uniform"}}, {{"--pressure", "500Pa"}},
-                     {{"--temperature", "30"}},    {{"--sound-speed", "350m/s"}}, {{"--frequency", "41kHz"}}};
-const Effects solved{{{"--solver", "greedy"}, {"--method", "multi-focus"}}};
-const Effects heard{{{"--directivity", "omni"}}};
-const Effects varied{{{"--spread", "phase=0.1"}}, {{"--draws", "30"}, {"--spread", "phase=0.1"}}};
-const Effects sounding = joined<EffectiveOption>({driven, heard, varied});
+const std::vector<std::string> driven{"--amplitude uniform", "--constraint uniform", "--pressure 500Pa",
+                                      "--temperature 30",    "--sound-speed 350m/s", "--frequency 41kHz"};
+const Effects sounding{{"", driven},
+                       {"", {"--directivity omni", "--spread phase=0.1"}},
+                       {"--spread phase=0.1", {"--draws 30"}}};
 
 ReviewedLine of_touch() {
-  const std::vector<std::string> line{"touch",         "--scene", asset("cube.glb"), "--points", asset("finger.ply"),
-                                      "--penetration", "3mm",     "--backend",       "cpu"};
-  return {.line = line,
-          .idle = joined<IdleOption>({no_gpu,
-                                      parts,
-                                      felt,
-                                      {{{"--camera", "x.toml"}, "go with --depth"},
-                                       {{"--rig", "x.toml"}, "go with --depth"},
-                                       {{"--finger-width", "10mm"}, "--finger-width goes with --depth"},
-                                       {{"--amplitude", "uniform"}, "goes with --layout"},
-                                       {{"--solver", "greedy"}, "goes with --layout"},
-                                       {{"--constraint", "clamp"}, "goes with --layout"},
-                                       {{"--pressure", "1kPa"}, "goes with --layout"},
-                                       {{"--directivity", "omni"}, "goes with --layout"},
-                                       {{"--temperature", "25"}, "goes with --layout"},
-                                       {{"--sound-speed", "350m/s"}, "goes with --layout"},
-                                       {{"--frequency", "41kHz"}, "goes with --layout"}}}),
+  const std::string points = " --points ROOT/assets/finger.ply --penetration 3mm --backend cpu";
+  return {.line = "touch --scene ROOT/assets/cube.glb" + points,
+          .idle = joined<IdleOptions>({no_gpu,
+                                       parts,
+                                       felt,
+                                       {{"goes with --layout", sound},
+                                        {"goes with --layout", {"--pressure 1kPa"}},
+                                        {"go with --depth", {"--camera x.toml", "--rig x.toml"}},
+                                        {"--finger-width goes with --depth", {"--finger-width 10mm"}}}}),
           .untried = "--scene --gltf-scene --points --depth --surface --cluster",
           // On a ridge, where a cross-section is not round.
-          .tried_as = with(without(line, "--scene"), {"--scene", asset("prism.glb"), "--json", "OUT/touch.json"}),
-          .effective = joined<EffectiveOption>({touched,
-                                                placed,
-                                                scheduled,
-                                                beside({"--layout", "openmpd"}, driven),
-                                                beside({"--layout", "openmpd"}, solved),
-                                                beside({"--layout", "openmpd"}, heard),
-                                                {{{"--penetration", "2mm"}},
-                                                 {{"--csv", "OUT/contacts.csv"}},
-                                                 {{"--foci", "8"}},
-                                                 {{"--tune"}},
-                                                 {{"--spectrum"}},
-                                                 {{"--layout", "openmpd"}},
-                                                 {{"--spot", "5mm"}, {"--spectrum"}}}})};
+          .tried_as = "touch --scene ROOT/assets/prism.glb --json OUT/touch.json" + points,
+          .effective = {{"", touched},
+                        {"", placed},
+                        {"", scheduled},
+                        {"--method single-focus", modulated},
+                        {"--layout openmpd", driven},
+                        {"--layout openmpd --method multi-focus", {"--solver greedy"}},
+                        {"--layout openmpd", {"--directivity omni"}},
+                        {"--spectrum", {"--spot 5mm"}},
+                        {"",
+                         {"--penetration 2mm", "--csv OUT/contacts.csv", "--foci 8", "--tune", "--spectrum",
+                          "--layout openmpd"}}}};
 }
 
 ReviewedLine of_run() {
   return {
-      .line = {"run", "--scene", asset("cube.glb"), "--backend", "cpu", "--frames", "1"},
-      .idle = joined<IdleOption>(
-          {no_gpu,
-           parts,
-           {{{"--event-move", "1mm"}, "--event-move goes with --events"},
-            {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
-            {{"--spot", "4mm"}, "--spot goes with --tune"},
-            {{"--overwrite"}, "--overwrite goes with --record"},
-            {{"--predict", "off", "--predict-latency", "20ms"}, "--predict-latency goes with --predict auto"},
-            {{"--every-frame", "--predict", "auto"}, "give --predict-latency"},
-            {{"--finger", "tip.ply"}, "--finger goes with --transfer finger"},
-            {{"--board-files", "/"}, "--board-files goes with a link to boards"}}}),
+      .line = "run --scene ROOT/assets/cube.glb --backend cpu --frames 1",
+      .idle = joined<IdleOptions>({no_gpu,
+                                   parts,
+                                   {{"--event-move goes with --events", {"--event-move 1mm"}},
+                                    {"--noise-free goes with", {"--noise-free --source recording:none"}},
+                                    {"--spot goes with --tune", {"--spot 4mm"}},
+                                    {"--overwrite goes with --record", {"--overwrite"}},
+                                    {"--predict-latency goes with --predict auto", {"--predict off --predict-latency 20ms"}},
+                                    {"give --predict-latency", {"--every-frame --predict auto"}},
+                                    {"--finger goes with --transfer finger", {"--finger tip.ply"}},
+                                    {"--board-files goes with a link to boards", {"--board-files /"}}}}),
       // A run measures itself, so that no two of them have the same results. These are tried with export.
       .untried =
           "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
@@ -133,342 +94,306 @@ ReviewedLine of_run() {
           "--predict-latency --foci --link --every-frame --record --stats --keep-boards --osc --reload"};
 }
 
-std::vector<ReviewedLine> of_export(const std::string& scratch) {
-  const std::vector<std::string> synthetic{"export",   "--scene", asset("cube.glb"), "--backend", "cpu",
-                                           "--frames", "1",       "--foci",          "-"};
-  const std::vector<std::string> recorded{
-      "export", "--scene", asset("cube.glb"), "--source", "recording:" + asset("depth/take"), "--backend", "cpu"};
-  const Idles of_sound{{{"--amplitude", "uniform"}, "--amplitude goes with --drives"},
-                       {{"--solver", "greedy"}, "--solver goes with --drives"},
-                       {{"--constraint", "clamp"}, "--constraint goes with --drives"},
-                       {{"--directivity", "omni"}, "--directivity goes with --drives"},
-                       {{"--temperature", "25"}, "--temperature goes with --drives"},
-                       {{"--sound-speed", "350m/s"}, "--sound-speed goes with --drives"},
-                       {{"--frequency", "41kHz"}, "--frequency goes with --drives"}};
-  const Idles of_order{{{"--stride", "7"}, "--stride goes with --drives"},
-                       {{"--modulation", "amplitude-sine"}, "--modulation goes with --drives"},
-                       {{"--modulation-frequency", "100Hz"}, "--modulation-frequency goes with --drives"},
-                       {{"--tune"}, "--tune goes with --drives"}};
-  const Idles of_foci{{{"--foci-count", "8"}, "--foci-count goes with --foci"},
-                      {{"--spacing", "arc"}, "--spacing goes with --foci"},
-                      {{"--method", "ellipse"}, "--method goes with --foci"},
-                      {{"--axes", "covariance"}, "--axes goes with --foci"},
-                      {{"--smoothing", "none"}, "--smoothing goes with --foci"},
-                      {{"--predict-latency", "20ms"}, "--predict-latency goes with --foci"},
-                      {{"--ceiling", "0.5"}, "--ceiling goes with --foci"},
-                      {{"--layout", "openmpd"}, "--layout goes with --drives"},
-                      {{"--rig", asset("rigs/paper.toml")}, "--rig goes with --drives"}};
+std::vector<ReviewedLine> of_export() {
+  const std::string cube = "export --scene ROOT/assets/cube.glb --backend cpu",
+                    recorded = cube + " --source recording:ROOT/assets/depth/take";
+  const Idles of_sound{{"OPTION goes with --drives", sound}},
+              of_order{{"OPTION goes with --drives",
+                        {"--stride 7", "--modulation amplitude-sine", "--modulation-frequency 100Hz", "--tune"}}},
+              of_foci{{"OPTION goes with --foci",
+                       {"--foci-count 8", "--spacing arc", "--method ellipse", "--axes covariance", "--smoothing none",
+                        "--predict-latency 20ms", "--ceiling 0.5"}},
+                      {"OPTION goes with --drives", {"--layout openmpd", "--rig ROOT/assets/rigs/paper.toml"}}};
   return {
-      {.line = synthetic,
-       .idle = joined<IdleOption>({no_gpu,
-                                   parts,
-                                   of_sound,
-                                   {{{"--event-move", "1mm"}, "--event-move goes with --events"},
-                                    {{"--noise-free", "--source", "recording:none"}, "--noise-free goes with"},
-                                    {{"--spot", "4mm"}, "--spot goes with --tune"},
-                                    {{"--hysteresis", "on", "--finger-width", "0"}, "--hysteresis goes with"},
-                                    {{"--played", "played.json"}, "has no effect with --played"},
-                                    {{"--predict", "auto"}, "give --predict-latency"}}}),
+      {.line = cube + " --frames 1 --foci -",
+       .idle = joined<IdleOptions>({no_gpu,
+                                    parts,
+                                    of_sound,
+                                    {{"--event-move goes with --events", {"--event-move 1mm"}},
+                                     {"--noise-free goes with", {"--noise-free --source recording:none"}},
+                                     {"--spot goes with --tune", {"--spot 4mm"}},
+                                     {"--hysteresis goes with", {"--hysteresis on --finger-width 0"}},
+                                     {"has no effect with --played", {"--played played.json"}},
+                                     {"give --predict-latency", {"--predict auto"}}}}),
        // Only fingers that flicker show hysteresis: see test_touch_known. The finger of the recording rests, so that
        // nothing of it is predicted. The boards are out of the cube's reach; tests of surroundings try --keep-boards.
        .untried =
            "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis --predict "
            "--predict-latency --keep-boards",
-       .tried_as = with(recorded, {"--layout", "openmpd", "--foci", "OUT/foci.json", "--events", "OUT/events.jsonl",
-                                   "--drives", "OUT/drives.bin", "--json", "OUT/all.json"}),
-       .effective = joined<EffectiveOption>({touched,
-                                             placed,
-                                             scheduled,
-                                             driven,
-                                             solved,
-                                             beside({"--method", "multi-focus"}, heard),
-                                             {{{"--foci-count", "8"}},
-                                              {{"--hold", "20ms"}},
-                                              {{"--ceiling", "0.5"}},
-                                              {{"--ramp", "10ms"}},
-                                              {{"--event-move", "0"}},
-                                              {{"--axes", "covariance"}},
-                                              {{"--smoothing", "none"}},
-                                              {{"--layout", "sonicsurface"}},
-                                              {{"--frames", "3"}}}})},
-      {.line = with(recorded, {"--foci", "-"}),
-       .tried_as = with(recorded, {"--json", "OUT/all.json", "--events", "OUT/events.jsonl"}),
-       .effective = {{{"--foci", "OUT/foci.csv"}},
-                     {{"--drives", "OUT/drives.bin"}},
-                     {{"--pressure", "500Pa"}},
-                     {{"--dwell", "2ms"}},
-                     {{"--layout", "sonicsurface"}, {"--pressure", "90kPa"}},
-                     {{"--spacing", "arc"}, {"--foci", "OUT/foci.csv"}},
-                     {{"--stride", "7"}, {"--foci", "OUT/foci.json"}}}},
-      {.line = with(recorded, {"--events", "-"}),
-       .idle = joined<IdleOption>({of_sound, of_order, of_foci}),
-       .tried_as = with(recorded, {"--json", "OUT/all.json", "--foci", "OUT/foci.csv"}),
-       .effective = {{{"--events", "OUT/events.jsonl"}}}},
-      {.line = with(recorded, {"--foci", scratch + "/foci.csv", "--events", "-"}),
-       .idle = joined<IdleOption>({of_sound, of_order})},
-  };
-}
-
-ReviewedLine of_link() {
-  return {
-      .line = {"link", "test", "--link", "null", "--layout", "openmpd", "--last", "0", "--each", "1ms", "--rest", "0"},
-      .idle =
-          joined<IdleOption>({{{{"--board-files", "/"}, "--board-files goes with a link to boards"}}, no_gpu_at_all()}),
-      .untried = "--link --layout --first --last --each --rest --dwell --amplitude"};
+       .tried_as = recorded + " --layout openmpd --foci OUT/foci.json --events OUT/events.jsonl "
+                              "--drives OUT/drives.bin --json OUT/all.json",
+       .effective = {{"", touched},
+                     {"", placed},
+                     {"", scheduled},
+                     {"--method single-focus", modulated},
+                     {"", driven},
+                     {"--method multi-focus", {"--solver greedy", "--directivity omni"}},
+                     {"",
+                      {"--foci-count 8", "--hold 20ms", "--ceiling 0.5", "--ramp 10ms", "--event-move 0",
+                       "--axes covariance", "--smoothing none", "--layout sonicsurface", "--frames 3"}}}},
+      {.line = recorded + " --foci -",
+       .tried_as = recorded + " --json OUT/all.json --events OUT/events.jsonl",
+       .effective = {{"", {"--foci OUT/foci.csv", "--drives OUT/drives.bin", "--pressure 500Pa", "--dwell 2ms"}},
+                     {"--pressure 90kPa", {"--layout sonicsurface"}},
+                     {"--foci OUT/foci.csv", {"--spacing arc"}},
+                     {"--foci OUT/foci.json", {"--stride 7"}}}},
+      {.line = recorded + " --events -",
+       .idle = joined<IdleOptions>({of_sound, of_order, of_foci}),
+       .tried_as = recorded + " --json OUT/all.json --foci OUT/foci.csv",
+       .effective = {{"", {"--events OUT/events.jsonl"}}}},
+      {.line = recorded + " --foci SCRATCH/foci.csv --events -", .idle = joined<IdleOptions>({of_sound, of_order})},
+      {.line = "export --played SCRATCH/played.json --drives -",
+       .idle = {{"has no effect with --played",
+                 {"--scene ROOT/assets/cube.glb", "--source synthetic", "--frames 1", "--foci -", "--foci-count 8",
+                  "--dwell 2ms", "--pressure 1kPa", "--events -", "--gpu 0"}}},
+       .tried_as = "export --played SCRATCH/played.json --layout openmpd --drives OUT/drives.bin",
+       .effective = {{"", {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms"}}}}};
 }
 
 std::vector<ReviewedLine> of_calibrate() {
-  const std::string rig = source_file("tests/cli/support/small_rig.toml").string();
-  return {{.line = {"calibrate", "--layout", "openmpd"},
-           .idle = joined<IdleOption>({gpu_of_nudge,
-                                       {{{"--scene", asset("cube.glb")}, "--scene goes with --nudge"},
-                                        {{"--link", "foci:udp:127.0.0.1:9"}, "--link goes with --nudge"},
-                                        {{"--board-files", "/"}, "--board-files goes with --nudge"},
-                                        {{"--keys", "enter"}, "--keys goes with --nudge"},
-                                        {{"--hold", "50ms"}, "--hold goes with --nudge"},
-                                        {{"--ceiling", "0.5"}, "--ceiling goes with --nudge"},
-                                        {{"--ramp", "10ms"}, "--ramp goes with --nudge"},
-                                        {{"--temperature", "25"}, "goes with --nudge"},
-                                        {{"--sound-speed", "350m/s"}, "goes with --nudge"},
-                                        {{"--frequency", "41kHz"}, "goes with --nudge"}}}),
+  const std::string rig = "--rig ROOT/tests/cli/support/small_rig.toml";
+  const Idles gpu_of_nudge{{"go with --nudge", {"--gpu 0", "--validation core"}}},
+      keys{{"--keys goes with --nudge", {"--keys enter"}}};
+  return {{.line = "calibrate --layout openmpd",
+           .idle = joined<IdleOptions>(
+               {gpu_of_nudge,
+                keys,
+                {{"OPTION goes with --nudge",
+                  {"--scene ROOT/assets/cube.glb", "--link foci:udp:127.0.0.1:9", "--board-files /", "--hold 50ms",
+                   "--ceiling 0.5", "--ramp 10ms"}},
+                 {"goes with --nudge", {"--temperature 25", "--sound-speed 350m/s", "--frequency 41kHz"}}}}),
            .untried = "--target --turn --source --frames --out --layout --rig --background --nudge",
-           .tried_as = {"calibrate", "--rig", rig, "--frames", "2", "--json", "OUT/found.json"},
-           .effective = {{{"--noise-free"}}, {{"--at", "5mm,0,0"}}}},
-          {.line = {"calibrate", "--layout", "openmpd", "--background"},
-           .idle = joined<IdleOption>({gpu_of_nudge,
-                                       {{{"--at", "0,0,1mm"}, "exclude each other"},
-                                        {{"--turn", "90"}, "exclude each other"},
-                                        {{"--nudge"}, "exclude each other"},
-                                        {{"--keys", "enter"}, "--keys goes with --nudge"},
-                                        {{"--out", "x.toml"}, "--out needs --source"}}}),
-           .tried_as = {"calibrate", "--background", "--rig", rig, "--frames", "10", "--json", "OUT/learned.json"},
-           .effective = {{{"--noise-free"}}}},
-          {.line = {"calibrate", "--layout", "openmpd", "--target", "none/t.stl"},
-           .idle = joined<IdleOption>({gpu_of_nudge,
-                                       {{{"--source", "synthetic"}, "exclude each other"},
-                                        {{"--frames", "3"}, "exclude each other"},
-                                        {{"--noise-free"}, "exclude each other"},
-                                        {{"--json", "-"}, "--target only writes the model"},
-                                        {{"--out", "x.toml"}, "exclude each other"},
-                                        {{"--nudge"}, "exclude each other"},
-                                        {{"--background"}, "exclude each other"},
-                                        {{"--keys", "enter"}, "--keys goes with --nudge"},
-                                        {{"--at", "0,0,1mm"}, "a printer's .stl lies as it is printed"},
-                                        {{"--turn", "90"}, "a printer's .stl lies as it is printed"}}}),
-           .tried_as = {"calibrate", "--target", "OUT/target.glb", "--layout", "openmpd"},
-           .effective = {{{"--at", "5mm,0,0"}},
-                         {{"--turn", "90"}},
-                         {{"--layout", "sonicsurface"}},
-                         {{"--target", "OUT/target.stl"}}}}};
+           .tried_as = "calibrate " + rig + " --frames 2 --json OUT/found.json",
+           .effective = {{"", {"--noise-free", "--at 5mm,0,0"}}}},
+          {.line = "calibrate --layout openmpd --background",
+           .idle = joined<IdleOptions>({gpu_of_nudge,
+                                        keys,
+                                        {{"exclude each other", {"--at 0,0,1mm", "--turn 90", "--nudge"}},
+                                         {"--out needs --source", {"--out x.toml"}}}}),
+           .tried_as = "calibrate --background " + rig + " --frames 10 --json OUT/learned.json",
+           .effective = {{"", {"--noise-free"}}}},
+          {.line = "calibrate --layout openmpd --target none/t.stl",
+           .idle = joined<IdleOptions>(
+               {gpu_of_nudge,
+                keys,
+                {{"exclude each other",
+                  {"--source synthetic", "--frames 3", "--noise-free", "--out x.toml", "--nudge", "--background"}},
+                 {"--target only writes the model", {"--json -"}},
+                 {"a printer's .stl lies as it is printed", {"--at 0,0,1mm", "--turn 90"}}}}),
+           .tried_as = "calibrate --target OUT/target.glb --layout openmpd",
+           .effective = {{"", {"--at 5mm,0,0", "--turn 90", "--layout sonicsurface", "--target OUT/target.stl"}}}}};
 }
 
-std::vector<ReviewedLine> of_drive(const std::string& scratch) {
-  const std::vector<std::string> line{"drive", "--layout", "openmpd", "--focus", "0,0,10cm", "--backend", "cpu"};
-  const std::string above =
-      ply_in(scratch, "above.ply",
-             transformed(geometry::icosphere(2e-3, 3), [](const Vec3& p) { return p + Vec3(0, 0, 0.1); }));
+std::vector<ReviewedLine> of_drive() {
+  const std::string line = "drive --layout openmpd --focus 0,0,10cm --backend cpu";
   return {{.line = line,
-           .idle = joined<IdleOption>({no_gpu,
-                                       {{{"--slot", "1"}, "--slot goes with --touch"},
-                                        {{"--rig", "x.toml"}, "--rig goes with --touch"},
-                                        {{"--mesh", above}, "--mesh goes with --transfer finger"},
-                                        {{"--force"}, "--force goes with --transfer finger"},
-                                        {{"--draws", "50"}, "--draws goes with --spread"}}}),
+           .idle = joined<IdleOptions>({no_gpu,
+                                        {{"OPTION goes with --touch", {"--slot 1", "--rig x.toml"}},
+                                         {"OPTION goes with --transfer finger",
+                                          {"--mesh SCRATCH/above.ply", "--force"}},
+                                         {"--draws goes with --spread", {"--draws 50"}}}}),
            .untried = "--touch --pattern",
-           .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/drive.json"}),
-           .effective = joined<EffectiveOption>({sounding,
-                                                 {{{"--solver", "greedy"}},
-                                                  {{"--layout", "autd3"}},
-                                                  {{"--focus", "0,0,9cm"}},
-                                                  {{"--null", "0,2cm,10cm"}},
-                                                  {{"--csv", "OUT/drive.csv"}},
-                                                  {{"--transfer", "finger", "--mesh", above}}}})},
-          {.line = {"drive", "--layout", "openmpd", "--touch", "x.json", "--backend", "cpu"},
-           .idle = {{{"--focus", "0,0,10cm"}, "exclude each other"}}},
-          {.line = {"drive", "--layout", "paper", "--pattern", "hoshi", "--backend", "cpu"},
-           .idle = {{{"--focus", "0,0,1cm"}, "--focus and --pattern exclude each other"},
-                    {{"--null", "2cm,0,0"}, "--null and --pattern exclude each other"},
-                    {{"--touch", "x.json"}, "--pattern and --touch exclude each other"}}}};
+           .tried_as = line + " --focus 2cm,0,10cm --json OUT/drive.json",
+           .effective = joined<EffectiveOptions>(
+               {sounding,
+                {{"",
+                  {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm", "--csv OUT/drive.csv",
+                   "--transfer finger --mesh SCRATCH/above.ply"}}}})},
+          {.line = "drive --layout openmpd --touch x.json --backend cpu",
+           .idle = {{"exclude each other", {"--focus 0,0,10cm"}}}},
+          {.line = "drive --layout paper --pattern hoshi --backend cpu",
+           .idle = {{"--focus and --pattern exclude each other", {"--focus 0,0,1cm"}},
+                    {"--null and --pattern exclude each other", {"--null 2cm,0,0"}},
+                    {"--pattern and --touch exclude each other", {"--touch x.json"}}}}};
 }
+
+const IdleOptions of_plane{"goes with --plane", {"--centre 0,0,0", "--size 6mm,6mm", "--pixels 8,8"}};
 
 ReviewedLine of_field() {
-  const std::vector<std::string> line{"field",  "--layout", "openmpd", "--focus",   "0,0,10cm",
-                                      "--line", "0,0,1cm",  "0,0,2cm", "--backend", "cpu"};
+  const std::string line = "field --layout openmpd --focus 0,0,10cm --line 0,0,1cm 0,0,2cm --backend cpu";
   return {.line = line,
-          .idle = joined<IdleOption>({no_gpu,
-                                      {{{"--centre", "0,0,0"}, "goes with --plane"},
-                                       {{"--size", "6mm,6mm"}, "goes with --plane"},
-                                       {{"--pixels", "8,8"}, "goes with --plane"},
-                                       {{"--draws", "50"}, "--draws goes with --spread"},
-                                       {{"--humidity", "20", "--no-absorption"}, "exclude each other"},
-                                       {{"--air-pressure", "90kPa", "--no-absorption"}, "exclude each other"}}}),
+          .idle = joined<IdleOptions>(
+              {no_gpu,
+               {of_plane,
+                {"--draws goes with --spread", {"--draws 50"}},
+                {"exclude each other", {"--humidity 20 --no-absorption", "--air-pressure 90kPa --no-absorption"}}}}),
           .untried = "--drive --plane --points",
-          .tried_as = with(line, {"--focus", "2cm,0,10cm", "--json", "OUT/field.json", "--csv", "OUT/field.csv"}),
-          .effective = joined<EffectiveOption>({sounding,
-                                                {{{"--solver", "greedy"}},
-                                                 {{"--layout", "autd3"}},
-                                                 {{"--focus", "0,0,9cm"}},
-                                                 {{"--null", "0,2cm,10cm"}},
-                                                 {{"--line", "0,0,1cm", "0,0,3cm"}},
-                                                 {{"--samples", "5"}},
-                                                 {{"--csv", "OUT/other.csv"}},
-                                                 {{"--vtu", "OUT/field.vtu"}},
-                                                 {{"--png", "OUT/field.png"}},
-                                                 {{"--no-absorption"}},
-                                                 {{"--humidity", "20"}},
-                                                 {{"--air-pressure", "90kPa"}}}})};
+          .tried_as = line + " --focus 2cm,0,10cm --json OUT/field.json --csv OUT/field.csv",
+          .effective = joined<EffectiveOptions>(
+              {sounding,
+               {{"",
+                 {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm",
+                  "--line 0,0,1cm 0,0,3cm", "--samples 5", "--csv OUT/other.csv", "--vtu OUT/field.vtu",
+                  "--png OUT/field.png", "--no-absorption", "--humidity 20", "--air-pressure 90kPa"}}}})};
 }
 
-std::vector<ReviewedLine> of_scatter(const std::string& scratch) {
-  const geometry::Mesh ball = geometry::icosphere(1e-3, 3);
-  const std::string pebble = ply_in(scratch, "pebble.ply", ball);
-  const std::string raised =
-      ply_in(scratch, "raised.ply", transformed(ball, [](const Vec3& p) { return p + Vec3(0, 0, 0.05); }));
-  const std::string drive = scratch + "/drive.csv";
-  const array::Layout layout = array::load_layout("openmpd");
-  write_text(drive, setup::drive_csv(layout, array::Drive(layout.transducers.size(), {1, 0})));
-  const std::vector<std::string> line{"scatter", "--mesh", pebble, "--plane-wave", "0,0,1"};
-  const std::vector<std::string> of_array{"scatter", "--mesh", raised, "--layout", "openmpd", "--drive", drive};
-  const std::vector<std::string> results{"--json", "OUT/body.json", "--csv", "OUT/faces.csv"};
+std::vector<ReviewedLine> of_scatter() {
+  const std::string line = "scatter --mesh SCRATCH/pebble.ply --plane-wave 0,0,1",
+                    of_array = "scatter --mesh SCRATCH/raised.ply --layout openmpd --drive SCRATCH/drive.csv",
+                    results = " --json OUT/body.json --csv OUT/faces.csv";
   return {{.line = line,
-           .idle = joined<IdleOption>({no_gpu_at_all(),
-                                       {{{"--centre", "0,0,0"}, "goes with --plane"},
-                                        {{"--size", "6mm,6mm"}, "goes with --plane"},
-                                        {{"--pixels", "8,8"}, "goes with --plane"},
-                                        {{"--samples", "9"}, "--samples goes with --line"},
-                                        {{"--layout", "openmpd"}, "go together"},
-                                        {{"--drive", "x.csv"}, "exclude each other"},
-                                        {{"--directivity", "omni"}, "--directivity goes with --drive"},
-                                        {{"--humidity", "20"}, "--humidity goes with --absorption"},
-                                        {{"--absorption"}, "--absorption goes with --drive"}}}),
+           .idle = joined<IdleOptions>({no_gpu_at_all,
+                                        {of_plane,
+                                         {"--samples goes with --line", {"--samples 9"}},
+                                         {"go together", {"--layout openmpd"}},
+                                         {"exclude each other", {"--drive x.csv"}},
+                                         {"OPTION goes with --drive", {"--directivity omni", "--absorption"}},
+                                         {"--humidity goes with --absorption", {"--humidity 20"}}}}),
            .untried = "--mesh --force --point-source --plane",
-           .tried_as = with(line, results),
-           .effective = {{{"--plane-wave", "0,1,0"}},
-                         {{"--line", "0,0,2mm", "0,0,3mm"}},
-                         {{"--samples", "5"}, {"--line", "0,0,2mm", "0,0,3mm"}},
-                         {{"--points", raised}},
-                         {{"--csv", "OUT/other.csv"}},
-                         {{"--temperature", "30"}},
-                         {{"--sound-speed", "350m/s"}},
-                         {{"--frequency", "41kHz"}},
-                         {{"--air-pressure", "90kPa"}}}},
+           .tried_as = line + results,
+           .effective = {{"",
+                          {"--plane-wave 0,1,0", "--line 0,0,2mm 0,0,3mm", "--points SCRATCH/raised.ply",
+                           "--csv OUT/other.csv", "--temperature 30", "--sound-speed 350m/s", "--frequency 41kHz",
+                           "--air-pressure 90kPa"}},
+                         {"--line 0,0,2mm 0,0,3mm", {"--samples 5"}}}},
           {.line = of_array,
-           .idle = {{{"--humidity", "20"}, "--humidity goes with --absorption"}},
-           .tried_as = with(of_array, results),
-           .effective = {{{"--directivity", "omni"}}, {{"--absorption"}}, {{"--humidity", "20"}, {"--absorption"}}}}};
+           .idle = {{"--humidity goes with --absorption", {"--humidity 20"}}},
+           .tried_as = of_array + results,
+           .effective = {{"", {"--directivity omni", "--absorption"}}, {"--absorption", {"--humidity 20"}}}}};
 }
 
-std::vector<ReviewedLine> of_simulate(const std::string& scratch) {
-  const std::string tip =
-      ply_in(scratch, "tip.ply", transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); }));
-  const std::vector<std::string> line{"simulate",      "--scene", asset("cube.glb"), "--finger", tip,
-                                      "--penetration", "1mm",     "--backend",       "cpu"};
+std::vector<ReviewedLine> of_simulate() {
+  const std::string line =
+      "simulate --scene ROOT/assets/cube.glb --finger SCRATCH/tip.ply --penetration 1mm --backend cpu";
   return {{.line = line,
-           .idle = joined<IdleOption>({no_gpu,
-                                       felt,
-                                       parts,
-                                       {{{"--noise-free"}, "--noise-free goes with --skin cameras"},
-                                        {{"--finger-width", "10mm"}, "--finger-width goes with --skin cameras"},
-                                        {{"--draws", "50"}, "--draws goes with --spread"},
-                                        {{"--humidity", "20", "--no-absorption"}, "exclude each other"}}}),
+           .idle = joined<IdleOptions>({no_gpu,
+                                        felt,
+                                        parts,
+                                        {{"OPTION goes with --skin cameras", {"--noise-free", "--finger-width 10mm"}},
+                                         {"--draws goes with --spread", {"--draws 50"}},
+                                         {"exclude each other", {"--humidity 20 --no-absorption"}}}}),
            .untried =
                "--scene --gltf-scene --finger --finger-gap --min-points --skin --figure6 --force --surface --cluster "
                "--stride --modulation --rig",
-           .tried_as = with(line, {"--layout", "openmpd", "--json", "OUT/felt.json"}),
-           .effective = joined<EffectiveOption>({placed,
-                                                 solved,
-                                                 sounding,
-                                                 {{{"--delta", "1mm"}},
-                                                  {{"--foci", "6"}},
-                                                  {{"--tune"}},
-                                                  {{"--spectrum"}},
-                                                  {{"--dwell", "2ms"}, {"--spectrum"}},
-                                                  {{"--modulation-frequency", "0"}, {"--method", "single-focus"}},
-                                                  {{"--penetration", "0.8mm"}},
-                                                  {{"--layout", "sonicsurface"}},
-                                                  {{"--transfer", "finger"}},
-                                                  {{"--csv", "OUT/faces.csv"}},
-                                                  {{"--vtu", "OUT/faces.vtu"}},
-                                                  {{"--png", "OUT/finger.png"}},
-                                                  {{"--no-absorption"}},
-                                                  {{"--humidity", "20"}},
-                                                  {{"--air-pressure", "90kPa"}}}})},
-          {.line = {"simulate", "--figure6", "--backend", "cpu"},
-           .idle = {{{"--scene", asset("cube.glb")}, "exclude each other"},
-                    {{"--gltf-scene", "0"}, "exclude each other"},
-                    {{"--csv", "x.csv"}, "exclude each other"},
-                    {{"--vtu", "x.vtu"}, "exclude each other"},
-                    {{"--method", "ellipse"}, "exclude each other"},
-                    {{"--spread", "phase=0.1"}, "exclude each other"},
-                    {{"--surface", "parts"}, "exclude each other"},
-                    {{"--parts", "3"}, "exclude each other"}}}};
+           .tried_as = line + " --layout openmpd --json OUT/felt.json",
+           .effective = joined<EffectiveOptions>(
+               {sounding,
+                {{"", placed},
+                 {"--method multi-focus", {"--solver greedy"}},
+                 {"--spectrum", {"--dwell 2ms"}},
+                 {"--method single-focus", {"--modulation-frequency 0"}},
+                 {"",
+                  {"--delta 1mm", "--foci 6", "--tune", "--spectrum", "--penetration 0.8mm", "--layout sonicsurface",
+                   "--transfer finger", "--csv OUT/faces.csv", "--vtu OUT/faces.vtu", "--png OUT/finger.png",
+                   "--no-absorption", "--humidity 20", "--air-pressure 90kPa"}}}})},
+          {.line = "simulate --figure6 --backend cpu",
+           .idle = {{"exclude each other",
+                     {"--scene ROOT/assets/cube.glb", "--gltf-scene 0", "--csv x.csv", "--vtu x.vtu",
+                      "--method ellipse", "--spread phase=0.1", "--surface parts", "--parts 3"}}}}};
 }
 
-std::vector<ReviewedLine> of_afferents(const std::string& scratch) {
-  const std::string tip = ply_in(scratch, "afferents-tip.ply",
-                                 transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); }));
-  const std::vector<std::string> line{"afferents",     "--scene", asset("cube.glb"), "--finger", tip,
-                                      "--penetration", "1mm",     "--layout",        "openmpd",  "--duration",
-                                      "50ms",          "--json",  "OUT/a.json"};
-  return {{.line = line,
-           .idle = joined<IdleOption>(
-               {no_gpu_at_all(),
-                {{{"--linear", "--crest", "16"}, "exclude each other"},
-                 {{"--stride", "3", "--method", "single-focus"}, "--stride: a single focus has no order"}}}),
-           .untried = "--scene --finger --delta",
-           .effective = {{{"--penetration", "0.8mm"}},
-                         {{"--x", "1mm"}},
-                         {{"--z", "1mm"}},
-                         {{"--yaw", "30"}},
-                         {{"--method", "ellipse"}},
-                         {{"--foci", "6"}},
-                         {{"--stride", "1"}},
-                         {{"--dwell", "2ms"}},
-                         {{"--modulation-frequency", "100"}, {"--method", "single-focus"}},
-                         {{"--layout", "sonicsurface"}},
-                         {{"--crest", "50"}},
-                         {{"--linear"}},
-                         {{"--duration", "60ms"}},
-                         {{"--bin", "10ms"}},
-                         {{"--csv", "OUT/sites.csv"}},
-                         {{"--times", "OUT/times.csv"}},
-                         {{"--png", "OUT/spikes.png"}}}}};
+ReviewedLine of_afferents() {
+  return {.line = "afferents --scene ROOT/assets/cube.glb --finger SCRATCH/tip.ply --penetration 1mm --layout openmpd "
+                  "--duration 50ms --json OUT/a.json",
+          .idle = joined<IdleOptions>({no_gpu_at_all,
+                                       {{"exclude each other", {"--linear --crest 16"}},
+                                        {"--stride: a single focus has no order",
+                                         {"--stride 3 --method single-focus"}}}}),
+          .untried = "--scene --finger --delta",
+          .effective = {{"",
+                         {"--penetration 0.8mm", "--x 1mm", "--z 1mm", "--yaw 30", "--method ellipse", "--foci 6",
+                          "--stride 1", "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear",
+                          "--duration 60ms", "--bin 10ms", "--csv OUT/sites.csv", "--times OUT/times.csv",
+                          "--png OUT/spikes.png"}},
+                        {"--method single-focus", {"--modulation-frequency 100"}}}};
+}
+
+/// A command of studies, which use no GPU.
+ReviewedLine of_study(const std::string& line, const std::string& untried, const Idles& more = {}) {
+  return {.line = "study " + line, .idle = joined<IdleOptions>({no_gpu_at_all, more}), .untried = untried};
+}
+
+std::vector<ReviewedLine> of_studies() {
+  const std::string plan = "ROOT/assets/studies/paper.toml";
+  return {
+      of_study("analyse none", "--html --csv"),
+      of_study("compare paper", "--html --csv"),
+      of_study("level " + plan, "", {{"--override has no effect", {"--override x"}}}),
+      of_study("plan " + plan, "--participant --csv", {{"--seed belongs to the plan", {"--seed 1"}}}),
+      of_study("rehearse " + plan + " --participant 1 --out none/x", "--participant --out --accuracy"),
+      {.line = "study run " + plan + " --participant 1 --out none/x --rehearse 1 --size 640x480",
+       .idle = {{"--monitor and --size exclude each other", {"--monitor 1"}},
+                {"--eyes-apart goes with --stereo", {"--eyes-apart 60mm"}},
+                {"go with --stereo columns or rows",
+                 {"--barrier-pitch 1mm", "--barrier-gap 1mm", "--barrier-phase 0.5"}},
+                {"has no option 'OPTION'", {"--osc 9000", "--reload"}},
+                {"--gpu", {"--backend cpu --gpu 0"}},
+                {"--validation", {"--backend cpu --validation core"}}},
+       .untried =
+           "--participant --out --source --link --rig --board-files --hold --size --stereo --override --rehearse "
+           "--gpu --validation"},
+      of_study("simulate " + plan, "--finger --beside --html --csv --prediction"),
+      of_study("withdraw 1 --out none", "--out"),
+      of_study("power",
+               "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power --people "
+               "--studies")};
+}
+
+std::vector<ReviewedLine> of_emulate() {
+  return {{.line = "emulate openmpd --serial IDLE1",
+           .idle = joined<IdleOptions>({no_gpu_at_all,
+                                        {{"OPTION goes with autd3, not with openmpd", {"--port 0"}},
+                                         {"OPTION goes with sonicsurface, not with openmpd", {"--tactile"}},
+                                         {"OPTION goes with --view", {"--layout openmpd", "--board-files /"}}}}),
+           .untried = "--serial --uart --trace --view"},
+          {.line = "emulate autd3 --port 0",
+           .idle = {{"OPTION goes with openmpd, not with autd3", {"--uart", "--serial A"}},
+                    {"OPTION goes with sonicsurface, not with autd3", {"--tactile"}},
+                    {"OPTION goes with openmpd and sonicsurface, not with autd3", {"--board-files /"}}},
+           .untried = "--port --layout"},
+          {.line = "emulate sonicsurface",
+           .idle = {{"OPTION goes with openmpd, not with sonicsurface", {"--uart", "--serial A"}},
+                    {"OPTION goes with autd3, not with sonicsurface", {"--port 1"}},
+                    {"OPTION goes with --view", {"--board-files /"}}},
+           .untried = "--tactile --layout"}};
+}
+
+void write_inputs(const std::string& scratch) {
+  const auto write = [&](const std::string& name, const geometry::Mesh& mesh, const Vec3& by) {
+    const geometry::Mesh moved = transformed(mesh, [&](const Vec3& p) { return p + by; });
+    geometry::write_ply(scratch + "/" + name, moved.positions, moved.triangles);
+  };
+  write("above.ply", geometry::icosphere(2e-3, 3), {0, 0, 0.1});
+  write("pebble.ply", geometry::icosphere(1e-3, 3), {0, 0, 0});
+  write("raised.ply", geometry::icosphere(1e-3, 3), {0, 0, 0.05});
+  write("tip.ply", sphere(2e-3, 8, 12), {0, 2e-3, 0});
+  const array::Layout layout = array::load_layout("openmpd");
+  write_text(scratch + "/drive.csv", setup::drive_csv(layout, array::Drive(layout.transducers.size(), {1, 0})));
+  write_text(scratch + "/played.json",
+             R"({"slot_s": 0.0015, "frames": [{"slot": 3, "time_s": 1, "fingers": [{"id": 0, "solid": "",)"
+             R"("foci_m": [[0, 0.15, 0], [0.01, 0.15, 0]], "order": [1, 0], "dwell_s": 0.0015,)"
+             R"("modulation_hz": 0, "gain": 1}]}]})");
 }
 
 }  // namespace
 
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;)
-    words.push_back(word);
-  return words;
-}
-
 std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
+  write_inputs(scratch);
   return joined<ReviewedLine>(
-      {{{.line = {"doctor"},
-         .idle = joined<IdleOption>({{{{"--source", "bag:x"}, "--source goes with --write-rig"}}, no_gpu_at_all()}),
+      {{{.line = "doctor",
+         .idle = joined<IdleOptions>({{{"--source goes with --write-rig", {"--source bag:x"}}}, no_gpu_at_all}),
          .untried = "--write-rig"},
         of_touch(),
         of_run(),
-        of_link(),
+        {.line = "link test --link null --layout openmpd --last 0 --each 1ms --rest 0",
+         .idle =
+             joined<IdleOptions>({{{"--board-files goes with a link to boards", {"--board-files /"}}}, no_gpu_at_all}),
+         .untried = "--link --layout --first --last --each --rest --dwell --amplitude"},
         of_field(),
-        {.line = {"decompose", "--scene", asset("cube.glb"), "--out", "none/x.glb"},
-         .idle = no_gpu_at_all(),
+        of_afferents(),
+        {.line = "decompose --scene ROOT/assets/cube.glb --out none/x.glb",
+         .idle = no_gpu_at_all,
          .untried = "--scene --gltf-scene --out --parts --resolution --error"},
-        {.line = {"bench", "--suite", "array"},
-         .idle = {{{"--scene", asset("cube.glb")}, "--scene goes with --suite surface"},
-                  {{"--backend", "cpu"}, "bench measures the GPU"}},
+        {.line = "bench --suite array",
+         .idle = {{"--scene goes with --suite surface", {"--scene ROOT/assets/cube.glb"}},
+                  {"bench measures the GPU", {"--backend cpu"}}},
          .untried = "--suite --runs --csv --gpu --validation"}},
        of_studies(),
-       of_export(scratch),
-       of_played(scratch),
+       of_export(),
        of_calibrate(),
-       of_drive(scratch),
-       of_scatter(scratch),
-       of_simulate(scratch),
-       of_afferents(scratch),
+       of_drive(),
+       of_scatter(),
+       of_simulate(),
        of_emulate()});
 }
 

@@ -1,4 +1,7 @@
 // Each option of each command, and where it has an effect. Used by tests that no option is ignored silently.
+//
+// Lines and options are texts of words. ROOT/ is the source tree, SCRATCH/ a folder of small inputs, OUT/ an empty
+// folder.
 #pragma once
 
 #include <string>
@@ -6,39 +9,27 @@
 
 namespace palpa::test {
 
-/// An option that has no effect on a line.
-struct IdleOption {
-  std::vector<std::string> given;  ///< the option first
-  std::string told;                ///< a part of the refusal
+/// Options that have no effect on a line, each with its value.
+struct IdleOptions {
+  std::string told;  ///< a part of the refusal; OPTION is the option's name
+  std::vector<std::string> given;
 };
 
-/// An option that changes the results of a line.
-struct EffectiveOption {
-  std::vector<std::string> given;     ///< the option first
-  std::vector<std::string> beside{};  ///< further words of the line, with and without it
+/// Options that change the results of a line, each with its value.
+struct EffectiveOptions {
+  std::string beside;  ///< further words of the line, with and without the option
+  std::vector<std::string> given;
 };
 
 struct ReviewedLine {
-  std::vector<std::string> line;        ///< lacks nothing
-  std::vector<IdleOption> idle{};       ///< refused beside that line
-  std::string untried{};                ///< options that have an effect, but are costly to try, or need other inputs
-  std::vector<std::string> tried_as{};  ///< the line on which the following are tried; empty: `line`
-  std::vector<EffectiveOption> effective{};
+  std::string line;                 ///< lacks nothing
+  std::vector<IdleOptions> idle{};  ///< refused beside that line
+  std::string untried{};            ///< options that have an effect, but are costly to try, or need other inputs
+  std::string tried_as{};           ///< the line on which the following are tried; empty: `line`
+  std::vector<EffectiveOptions> effective{};
 };
 
-/// At least one for each command. `scratch` is a folder for small inputs. In `tried_as` and in effective options, the
-/// word OUT stands for an empty folder.
+/// At least one for each command. Writes small inputs to the folder `scratch`.
 std::vector<ReviewedLine> reviewed_lines(const std::string& scratch);
-
-/// Those of `palpa export --played`, of `palpa study`, and of `palpa emulate`.
-std::vector<ReviewedLine> of_played(const std::string& scratch);
-std::vector<ReviewedLine> of_studies();
-std::vector<ReviewedLine> of_emulate();
-
-/// The options of a GPU, which a command that uses none does not have.
-std::vector<IdleOption> no_gpu_at_all();
-
-/// The words of a text, between spaces.
-std::vector<std::string> words_of(const std::string& text);
 
 }  // namespace palpa::test

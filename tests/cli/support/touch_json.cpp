@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "cli/support/here.hpp"
+
 namespace palpa::test {
 namespace {
 
@@ -132,10 +134,8 @@ TouchReport read_touch(const std::string& text, double delta, std::size_t foci) 
   return report;
 }
 
-TouchReport run_touch(std::vector<std::string> arguments, double delta, std::size_t foci, const RunOptions& options) {
-  arguments.insert(arguments.begin(), "touch");
-  arguments.insert(arguments.end(), {"--json", "-"});
-  const Result result = palpa(arguments, options);
+TouchReport run_touch_here(const std::vector<std::string>& line, double delta, std::size_t foci) {
+  const Result result = palpa_here(with(line, {"--json", "-"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   return result.exit_code == 0 ? read_touch(result.out, delta, foci) : TouchReport();

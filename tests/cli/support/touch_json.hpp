@@ -1,13 +1,12 @@
 // The output of `palpa touch --json`, checked against the contract while it is read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "base/math.hpp"
-#include "cli/support/process.hpp"
 
 namespace palpa::test {
 
@@ -29,8 +28,8 @@ struct TouchReport {
 /// contract states. `delta` and `foci` are those of the command line.
 TouchReport read_touch(const std::string& text, double delta = 1.5e-3, std::size_t foci = 10);
 
-/// Runs `palpa touch ... --json -`, expects success, and reads the output with read_touch().
-TouchReport run_touch(std::vector<std::string> arguments, double delta = 1.5e-3, std::size_t foci = 10,
-                      const RunOptions& options = {});
+/// Runs a line of `palpa touch` with --json - within this process, expects success without a warning, and reads the
+/// output with read_touch().
+TouchReport run_touch_here(const std::vector<std::string>& line, double delta = 1.5e-3, std::size_t foci = 10);
 
 }  // namespace palpa::test

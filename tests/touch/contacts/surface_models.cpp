@@ -76,6 +76,25 @@ Mesh needle_cylinder(int segments) {
   return mesh;
 }
 
+Mesh spikes() {
+  std::vector<Vec2> outline;
+  std::vector<glm::uvec3> lid;
+  for (Index i = 0; i < 24; ++i) {
+    const double angle = 2 * pi * i / 24;
+    outline.push_back((i % 2 == 0 ? 0.040 : 0.018) * Vec2(std::cos(angle), std::sin(angle)));
+    if (i % 2 == 0) lid.emplace_back((i + 23) % 24, i, i + 1);
+    if (i % 2 == 0 && i >= 2 && i < 22) lid.emplace_back(1, i + 1, i + 3);
+  }
+  return palpa::test::prism(outline, lid, 0, 0.025);
+}
+
+Mesh star() {
+  return transformed(sphere(1, 60, 90), [](const Vec3& d) {
+    const double ridges = std::sin(9 * std::atan2(d.y, d.x)) * (1 - d.z * d.z);
+    return d * (0.030 + 0.006 * ridges + 0.003 * std::cos(11 * std::acos(std::clamp(d.z, -1.0, 1.0))));
+  });
+}
+
 Mesh tilted(const Mesh& mesh, const Vec3& shift) {
   const glm::dmat3 turn(0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6);
   return palpa::test::rounded(transformed(mesh, [&](const Vec3& p) { return turn * p + shift; }));

@@ -17,6 +17,10 @@ geometry::Mesh hollow_ball();
 geometry::Mesh thin_plate();
 /// 10 mm radius, 60 mm long; each side one pair of needles, each lid a fan.
 geometry::Mesh needle_cylinder(int segments);
+/// Twelve sharp spikes of 40 mm with gorges between them, 25 mm high.
+geometry::Mesh spikes();
+/// Ridges and hollows all over, nowhere flat; 30 mm radius.
+geometry::Mesh star();
 /// Turned about all axes, shifted, and rounded to single precision as a file has it.
 geometry::Mesh tilted(const geometry::Mesh& mesh, const Vec3& shift);
 

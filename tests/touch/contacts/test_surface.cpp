@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
@@ -20,6 +21,7 @@
 #include "support/exhaustive.hpp"
 #include "support/hand_skin.hpp"
 #include "support/instrumented.hpp"
+#include "support/own_cache.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -55,7 +57,8 @@ geometry::Mesh rough_ball() {
 
 /// The models' names: every topic of this folder asks for them when it starts. Those with many triangles come last.
 constexpr const char* model_names[] = {"ring",       "notched_cube", "hollow_ball", "thin_plate", "needle_cylinder",
-                                       "subdivided", "hand",         "finger",      "rough_ball"};
+                                       "subdivided", "spikes",       "star",        "hand",       "finger",
+                                       "rough_ball"};
 
 geometry::Mesh model(int which) {
   switch (which) {
@@ -72,8 +75,12 @@ geometry::Mesh model(int which) {
     case 5:
       return tilted(palpa::test::divided(notched_cube(), 2), {-0.3, 0.2, 0.1});
     case 6:
-      return mesh_of("hand-relaxed.glb");
+      return tilted(spikes(), {0.1, 0, 0.2});
     case 7:
+      return tilted(star(), {0, -0.1, 0});
+    case 8:
+      return mesh_of("hand-relaxed.glb");
+    case 9:
       return palpa::test::finger_skin().mesh;
     default:
       return rough_ball();
@@ -132,7 +139,7 @@ Checked expect_truth(const Touch& touch, const std::vector<glm::vec3>& points, c
 }
 
 class Surfaces : public ::testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::Range(0, palpa::test::instrumented() ? 6 : 9),
+INSTANTIATE_TEST_SUITE_P(, Surfaces, ::testing::Range(0, palpa::test::instrumented() ? 7 : 11),
                          [](const auto& which) { return std::string(model_names[which.param]); });
 
 /// Contacts of two runs on the device and, with the same tables, on the host: all agree.
@@ -201,6 +208,26 @@ TEST_P(Surfaces, FindDeepPointsWhereAsked) {
   const Touch touch = touch_on_both(points, model.solids, parameters);
   const Checked checked = expect_truth(touch, points, model.truth, parameters.delta_m, true);
   EXPECT_LT(checked.worst_deep, 0.0201);
+}
+
+// Large meshes are checked and prepared once: later runs read both from files.
+TEST(KeptSurfaces, AnswerAsWhenTheyWereMade) {
+  const std::filesystem::path folder = palpa::test::scratch_folder("kept-surfaces");
+  const palpa::test::OwnCache cache(folder);
+  const geometry::Mesh mesh = tilted(star(), {0, 0, 0.1});
+  const auto points = points_near(mesh, palpa::test::fewer(10'000), 5);
+  const auto files = [&] {
+    const std::filesystem::recursive_directory_iterator all(folder), end;
+    return std::count_if(all, end, [](const auto& entry) { return entry.is_regular_file(); });
+  };
+  Touch made, kept;
+  Stage(solid_of(mesh)).touch(indexed(points), made);
+  const auto after = files();
+  EXPECT_GE(after, 2) << "the solid, and its surface";
+  Stage(solid_of(mesh)).touch(indexed(points), kept);
+  EXPECT_EQ(files(), after);
+  EXPECT_GT(made.contacts.size(), points.size() / 20);
+  expect_identical(made, kept);
 }
 
 /// Moves the points back instead of the solid.
