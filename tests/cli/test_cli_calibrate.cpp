@@ -63,19 +63,6 @@ Rig one_camera(Rig rig) {
   return rig;
 }
 
-/// The same cameras at half the resolution, for tests that fewer pixels suffice for.
-Rig coarse(Rig rig) {
-  for (Camera& camera : rig.cameras) {
-    camera.width /= 2;
-    camera.height /= 2;
-    for (double* length : {&camera.fx, &camera.fy})
-      *length /= 2;
-    for (double* centre : {&camera.cx, &camera.cy})
-      *centre = (*centre - 0.5) / 2;
-  }
-  return rig;
-}
-
 /// The same cameras where nobody knows where they are.
 Rig lost(Rig rig) {
   for (Camera& camera : rig.cameras)
@@ -198,22 +185,20 @@ TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
 }
 
 TEST_F(Calibrate, RefusesWhatCannotBeMeantOrSeen) {
-  Rig truth = coarse(rig_of_a_board());
+  Rig truth = rig_of_a_board();
   truth.cameras[1].T_world_camera = looking({0.2, 0.2, -0.25}, {0.5, -0.2, -0.8});
-  const std::string rig = write("rig.toml", truth), source = record("seen", truth, default_pose_of_target(truth), 2);
-  expect_refused({"calibrate", "--rig", rig}, {{{"--out", rig}, "--out"},
-                                               {{"--out", file("found.toml")}, "--source"},
-                                               {{"--at", "1,2"}, "--at"},
-                                               {{"--frames", "101"}, "--frames"},
-                                               {{"--source", source, "--out", file("found.toml")},
-                                                "camera \"right\": only 0 of its ",
-                                                4}});
+  const std::string rig = write("rig.toml", truth), source = record("seen", truth, default_pose_of_target(truth));
+  expect_refused({"calibrate", "--rig", rig},
+                 {{{"--out", rig}, "--out"},
+                  {{"--out", file("found.toml")}, "--source"},
+                  {{"--at", "1,2"}, "--at"},
+                  {{"--frames", "101"}, "--frames"},
+                  {{"--source", source, "--out", file("found.toml")}, "camera \"right\": only 0 of its ", 4}});
   EXPECT_FALSE(std::filesystem::exists(file("found.toml")));
-  expect_refused({"calibrate"},
-                 {{{"--target", "target.obj"}, ".stl or .glb"},
-                  {{"--rig", write("one.toml", one_camera(truth)), "--source", source},
-                   "has 1 [[camera]], and the source has 2",
-                   4}});
+  expect_refused({"calibrate"}, {{{"--target", "target.obj"}, ".stl or .glb"},
+                                 {{"--rig", write("one.toml", one_camera(truth)), "--source", source},
+                                  "has 1 [[camera]], and the source has 2",
+                                  4}});
 }
 
 TEST_F(Calibrate, TheTargetsHolesStandOverGapsBetweenTransducers) {

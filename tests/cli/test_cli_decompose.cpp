@@ -172,7 +172,10 @@ TEST_F(DecomposeConvex, WhatIsNoPartIsRefused) {
       {ell(), "\"a part\", a part of \"thing\", is concave"},
       {box_with([](geometry::Mesh& open) { open.triangles.pop_back(); }), "is not closed"},
       {box({0, 0, 0}, {1, 1, 0}), "is "},
-      {box_with([](geometry::Mesh& pair) { geometry::append(pair, box({2, 0, 0}, {3, 1, 1})); }), "several pieces"},
+      {box_with([](geometry::Mesh& pair) {
+         geometry::append(pair, box({2, 0, 0}, {3, 1, 1}));
+       }),
+       "several pieces"},
       {box_with([](geometry::Mesh& turned) { geometry::flip(turned); }), "a part is convex"}};
   for (const auto& [mesh, told] : faults) {
     const std::string bad = scene("bad.glb", {{"a part", mesh, {}, geometry::PartOf{"thing", 0, 0}}});

@@ -114,8 +114,7 @@ TEST_P(Hands, Sr305SkinInsideIsThreeFingersOrTheWholeHand) {
                  palm = scratch_folder("hand-inside") / "box.glb";
   write_boxes(ends, {beside_line(sr305, "box", {240, 290}, {240, 150}, 0.57)});
   write_boxes(palm, {beside_line(sr305, "box", {240, 150}, {240, 290}, 0.57)});
-  const TouchReport contacts = touch(ends, image, sr305),
-                    inside = touch(ends, image, sr305, {"--cluster", "inside"});
+  const TouchReport contacts = touch(ends, image, sr305), inside = touch(ends, image, sr305, {"--cluster", "inside"});
   EXPECT_EQ(inside.contacts, contacts.contacts);
   ASSERT_EQ(inside.fingers.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i)

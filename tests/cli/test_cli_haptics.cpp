@@ -29,12 +29,12 @@ class CliHaptics : public testing::Test {
   /// The example's scene with other wishes for its knob, and the finger model twice, a millimetre into the button and
   /// into the knob.
   std::vector<std::string> touch_with(const geometry::Haptics& knob, const std::string& backend = "cpu") const {
-    auto meshes = geometry::load_gltf(asset("button-and-knob.glb")).meshes;
+    auto meshes = geometry::load_gltf(asset_file("button-and-knob.glb")).meshes;
     meshes.at(1).haptics = knob;
     geometry::write_glb(scene_, meshes);
     std::vector<Vec3> points;
     for (const double x : {0.0, 0.08}) {
-      for (const Vec3& p : geometry::read_ply(asset("finger.ply")).positions)
+      for (const Vec3& p : geometry::read_ply(asset_file("finger.ply")).positions)
         points.push_back(p + Vec3(x, -0.001, 0));
     }
     const std::string fingers = folder_ / "fingers.ply";

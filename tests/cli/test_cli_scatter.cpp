@@ -58,7 +58,7 @@ geometry::Mesh moved(const geometry::Mesh& mesh, const Vec3& by) {
   return transformed(mesh, [&](const Vec3& p) { return p + by; });
 }
 
-std::vector<std::string> line_of(const std::string& mesh, const std::vector<std::string>& sound) {
+std::vector<std::string> scatter_line(const std::string& mesh, const std::vector<std::string>& sound) {
   return with({"scatter", "--mesh", mesh, "--sound-speed", "343"}, sound);
 }
 
@@ -71,7 +71,7 @@ struct Scattered {
 /// `first` is the first column of the table.
 Scattered scatter(const std::string& mesh, const std::vector<std::string>& sound, const std::string& first = "face") {
   const std::string csv = folder() / "out.csv", file = folder() / "out.json";
-  const Result result = palpa_here(with(line_of(mesh, sound), {"--csv", csv, "--json", file}));
+  const Result result = palpa_here(with(scatter_line(mesh, sound), {"--csv", csv, "--json", file}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const std::string head = (first == "face" ? "face," : "") + std::string("x,y,z,re,im\n");
   EXPECT_TRUE(read_text(csv).starts_with(head)) << read_text(csv).substr(0, 80);
@@ -257,7 +257,7 @@ TEST(Scatter, WhatIsNoBodyOrNoSoundIsRefused) {
       {above, other, 4, "openmpd.csv"},
   };
   for (const auto& [mesh, sound, code, part] : wrong)
-    expect_failure(palpa_here(with(line_of(mesh, sound), {"--csv", "-"})), code, part);
+    expect_failure(palpa_here(with(scatter_line(mesh, sound), {"--csv", "-"})), code, part);
 }
 
 TEST(Scatter, WhatIsSmallerThanAMicrometreIsBadInputWhereverAMeshIsABodyASolidOrSkin) {
@@ -273,10 +273,10 @@ TEST(Scatter, WhatIsSmallerThanAMicrometreIsBadInputWhereverAMeshIsABodyASolidOr
   geometry::write_glb(scene, std::span(&solid, 1));
   const std::string body = "a body measures at least a micrometre", skin = "skin measures at least a micrometre";
   const std::pair<std::vector<std::string>, std::string> wrong[]{
-      {line_of(pieces, upwards), "two.ply: has a piece that is only "},
-      {line_of(pieces, upwards), body},
-      {line_of(file, upwards), file + ": is only "},
-      {line_of(file, upwards), body},
+      {scatter_line(pieces, upwards), "two.ply: has a piece that is only "},
+      {scatter_line(pieces, upwards), body},
+      {scatter_line(file, upwards), file + ": is only "},
+      {scatter_line(file, upwards), body},
       {{"simulate", "--scene", cube, "--finger", file}, file + ": is only "},
       {{"drive", "--layout", "openmpd", "--focus", "0,0,0.1", "--transfer", "finger", "--mesh", file},
        file + ": is only "},
@@ -312,7 +312,7 @@ TEST(Scatter, FacesTooSmallForSinglePrecisionAreBadInput) {
   EXPECT_EQ(scatter(ascii_ply_of("graded", graded_corner(4e-3, 20)), upwards).results["faces"], 124);
   const std::string tiny = ascii_ply_of("tiny", graded_corner(4e-3, 30));
   for (const std::string& part : {tiny + ": face ", std::string("at least 1e-09 m long and a nanometre high")})
-    expect_failure(palpa_here(line_of(tiny, upwards)), 4, part);
+    expect_failure(palpa_here(scatter_line(tiny, upwards)), 4, part);
   // Pieces beside each other that are far from the middle of a large body.
   geometry::Mesh large = graded_corner(90, 0);
   for (const double x : {-90 - 3.5e-6, -90 + 1.5e-6})

@@ -257,13 +257,12 @@ TEST_F(CliStudy, KilledAtRandomInstantsNoTrialIsLostOrDoubled) {
 TEST_F(CliStudy, SaysWhatIsWrong) {
   write_text(folder_ / "single.csv", single);
   write_text(folder_ / "bad.csv", "actual,a,b\na,1,-1\nb,0,1\n");
-  expect_refused({"study", "analyse"},
-                 {{{}, "give palpa study analyse the folder of a study, or a CSV file of counts"},
-                  {{""}, "is empty"},
-                  {{path("none")}, "no such file", 4},
-                  {{folder_}, "has no participants", 4},
-                  {{path("single.csv"), folder_}, "single.csv: is not a folder", 4},
-                  {{path("bad.csv")}, "bad.csv: line 2: '-1' is not a count", 4}});
+  expect_refused({"study", "analyse"}, {{{}, "give palpa study analyse the folder of a study, or a CSV file of counts"},
+                                        {{""}, "is empty"},
+                                        {{path("none")}, "no such file", 4},
+                                        {{folder_}, "has no participants", 4},
+                                        {{path("single.csv"), folder_}, "single.csv: is not a folder", 4},
+                                        {{path("bad.csv")}, "bad.csv: line 2: '-1' is not a count", 4}});
   expect_refused({"study", "compare"}, {{{}, "at least two tables"},
                                         {{path("single.csv")}, "one table alone cannot be compared"},
                                         {{"paper", path("none.json")}, "none.json: no such file", 4}});

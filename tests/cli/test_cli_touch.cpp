@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <sstream>
 
+#include "cli/support/cube_touch.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/told.hpp"
 #include "cli/support/touch_json.hpp"
@@ -23,18 +24,9 @@ namespace {
 
 using nlohmann::json;
 
-std::string asset(const std::string& name) {
-  return source_file("assets/" + name).string();
-}
-
-std::vector<std::string> cube_touch(const std::string& backend = "cpu") {
-  return {"touch",         "--scene", asset("cube.glb"), "--points", asset("finger.ply"),
-          "--penetration", "3mm",     "--backend",       backend};
-}
-
 /// The finger as --penetration 3mm places it on an object whose top is at y = 0.
 std::vector<Vec3> lowered_finger(double penetration = 3e-3) {
-  std::vector<Vec3> points = geometry::read_ply(asset("finger.ply")).positions;
+  std::vector<Vec3> points = geometry::read_ply(asset_file("finger.ply")).positions;
   double lowest = points[0].y;
   for (const Vec3& p : points)
     lowest = std::min(lowest, p.y);
@@ -52,14 +44,14 @@ double depth_in_cube(const Vec3& p) {
 std::vector<std::string> touch_of(const std::vector<Vec3>& points, const std::string& backend = "cpu") {
   const std::string file = scratch_folder("touch") / "points.ply";
   geometry::write_ply(file, points);
-  return {"touch", "--scene", asset("cube.glb"), "--points", file, "--backend", backend};
+  return {"touch", "--scene", asset_file("cube.glb"), "--points", file, "--backend", backend};
 }
 
 class Touch : public testing::TestWithParam<std::string> {};
 
 TEST_P(Touch, ContactsOnTheCubeAreThoseOfEquationOne) {
   const std::string table = scratch_folder("touch") / "contacts.csv";
-  const TouchReport report = run_touch_here(with(cube_touch(GetParam()), {"--csv", table}));
+  const TouchReport report = run_touch_here(cube_touch({"--csv", table}, GetParam()));
   const std::vector<Vec3> points = lowered_finger();
   EXPECT_EQ(report.points, points.size());
   std::istringstream csv(read_text(table));
@@ -110,7 +102,7 @@ TEST_P(Touch, FewPointsGiveFiniteNumbers) {
 }
 
 TEST_P(Touch, TheSameBytesOnEveryRunAndUnderEverySettingOfTheDriver) {
-  const std::string usual = run_touch_here(cube_touch(GetParam())).without_times;
+  const std::string usual = run_touch_here(cube_touch({}, GetParam())).without_times;
   ASSERT_FALSE(usual.empty());
   std::vector<Environment> settings{{}};
   if (GetParam() == "gpu")
@@ -122,7 +114,7 @@ TEST_P(Touch, TheSameBytesOnEveryRunAndUnderEverySettingOfTheDriver) {
                                      {{"LVP_POISON_MEMORY", "1"}}});
   for (const Environment& environment : settings) {
     SCOPED_TRACE(testing::PrintToString(environment));
-    const Result result = palpa(with(cube_touch(GetParam()), {"--json", "-"}), {.environment = environment});
+    const Result result = palpa(cube_touch({"--json", "-"}, GetParam()), {.environment = environment});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(read_touch(result.out).without_times, usual);
   }
@@ -131,8 +123,7 @@ TEST_P(Touch, TheSameBytesOnEveryRunAndUnderEverySettingOfTheDriver) {
 INSTANTIATE_TEST_SUITE_P(Backends, Touch, testing::Values("cpu", "gpu"), [](const auto& test) { return test.param; });
 
 TEST(TouchOnHost, TakesFociOrderAndTimesFromItsOptions) {
-  const Result result =
-      palpa_here(with(cube_touch(), {"--foci", "7", "--stride", "2", "--dwell", "2ms", "--json", "-"}));
+  const Result result = palpa_here(cube_touch({"--foci", "7", "--stride", "2", "--dwell", "2ms", "--json", "-"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   const json seven = json::parse(result.out);
   EXPECT_EQ(seven["schedule"]["order"], json::parse("[0,2,4,6,1,3,5]"));
@@ -157,7 +148,7 @@ TEST(TouchSummary, SpeaksToPeople) {
   EXPECT_EQ(result.err, "");
   EXPECT_CONTAINS(result.out, "2163");
   EXPECT_CONTAINS(result.out, "1 finger");
-  EXPECT_EQ(palpa_here(with(cube_touch(), {"--quiet"})).out, "");
+  EXPECT_EQ(palpa_here(cube_touch({"--quiet"})).out, "");
 }
 
 TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
@@ -175,10 +166,10 @@ TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
 }
 
 TEST(TouchLine, IsWarnedOfWhatIsHardlyMeant) {
-  expect_warned(with(cube_touch(), {"--dwell"}),
-                {{{"50ms"}, ""},
-                 {{"51ms"},
-                  "--dwell of 51ms is long: a focus that stays in a place for more than 50ms is felt as jumps\n"}});
+  expect_warned(
+      cube_touch({"--dwell"}),
+      {{{"50ms"}, ""},
+       {{"51ms"}, "--dwell of 51ms is long: a focus that stays in a place for more than 50ms is felt as jumps\n"}});
   // Millimetres.
   std::vector<Vec3> finger = lowered_finger();
   for (Vec3& p : finger)
@@ -197,26 +188,25 @@ TEST(TouchLine, IsWarnedOfWhatIsHardlyMeant) {
 }
 
 TEST(TouchLine, IsRefusedWithTheOptionAndARemedy) {
-  const std::string scene = asset("cube.glb"), points = asset("finger.ply");
-  expect_refused(cube_touch(),
-                 {{{"--delta", "0"}, "--delta"},
-                  {{"--delta", "1.5ms"}, "--delta"},
-                  {{"--delta", "1e9"}, "--delta"},
-                  {{"--finger-gap", "-5mm"}, "--finger-gap"},
-                  {{"--min-points", "0"}, "--min-points"},
-                  {{"--min-points", "1.5"}, "--min-points"},
-                  {{"--min-points", "99999999999999999999"}, "--min-points"},
-                  {{"--foci", "0"}, "--foci"},
-                  {{"--foci", "65"}, "--foci"},
-                  {{"--stride", "0"}, "--stride"},
-                  {{"--stride", "5"}, "give a stride such as"},
-                  {{"--foci", "12", "--stride", "3"}, "give a stride such as 5"},
-                  {{"--dwell", "0.9us"}, "--dwell"},
-                  {{"--dwell", "10.1"}, "--dwell"},
-                  {{"--method", "circle"}, "--method"},
-                  {{"--camera", "c.toml"}, "--camera"},
-                  {{"--depth", "d.png", "--camera", "c.toml"}, "--depth"},
-                  {{"--gltf-scene", "7"}, "cube.glb", 4}});
+  const std::string scene = asset_file("cube.glb"), points = asset_file("finger.ply");
+  expect_refused(cube_touch(), {{{"--delta", "0"}, "--delta"},
+                                {{"--delta", "1.5ms"}, "--delta"},
+                                {{"--delta", "1e9"}, "--delta"},
+                                {{"--finger-gap", "-5mm"}, "--finger-gap"},
+                                {{"--min-points", "0"}, "--min-points"},
+                                {{"--min-points", "1.5"}, "--min-points"},
+                                {{"--min-points", "99999999999999999999"}, "--min-points"},
+                                {{"--foci", "0"}, "--foci"},
+                                {{"--foci", "65"}, "--foci"},
+                                {{"--stride", "0"}, "--stride"},
+                                {{"--stride", "5"}, "give a stride such as"},
+                                {{"--foci", "12", "--stride", "3"}, "give a stride such as 5"},
+                                {{"--dwell", "0.9us"}, "--dwell"},
+                                {{"--dwell", "10.1"}, "--dwell"},
+                                {{"--method", "circle"}, "--method"},
+                                {{"--camera", "c.toml"}, "--camera"},
+                                {{"--depth", "d.png", "--camera", "c.toml"}, "--depth"},
+                                {{"--gltf-scene", "7"}, "cube.glb", 4}});
   expect_refused({"touch", "--points", points}, {{{}, "--scene"}});
   expect_refused({"touch", "--scene", scene},
                  {{{}, "--points"},
@@ -225,7 +215,7 @@ TEST(TouchLine, IsRefusedWithTheOptionAndARemedy) {
                   {{"--depth", "d.png", "--camera", "c.toml", "--penetration", "3mm"}, "--penetration"},
                   {{"--depth", "d.png", "--camera", "c.toml", "--rig", "r.toml"}, "--rig"}});
   for (const char* foci : {"1", "12", "64"})
-    EXPECT_EQ(palpa_here(with(cube_touch(), {"--foci", foci, "--quiet"})).exit_code, 0) << foci;
+    EXPECT_EQ(palpa_here(cube_touch({"--foci", foci, "--quiet"})).exit_code, 0) << foci;
 }
 
 }  // namespace

@@ -64,26 +64,25 @@ TEST(Usage, ABadValueNamesOptionValueAndRemedy) {
   struct Bad {
     std::string option, value, remedy;
   };
-  for (const auto& [option, value, remedy] : std::vector<Bad>{
-           {"--backend", "tpu", "gpu|cpu"},
-           {"--log-level", "loud", "quiet|error|warning|info|debug"},
-           {"--validation", "all", "off|core|sync|gpu-assisted"},
-           {"--seed", "-1", "whole number"},
-           {"--seed", "18446744073709551616", "whole number"},
-           {"--temperature", "-60.1", "from -60 to 100"},
-           {"--temperature", "100.1", "from -60 to 100"},
-           {"--temperature", "warm", "number"},
-           {"--sound-speed", "99", "from 100m/s to 2000m/s"},
-           {"--sound-speed", "2001", "from 100m/s to 2000m/s"},
-           {"--sound-speed", "343km", "343m/s"},
-           {"--sound-speed", std::string(100000, '3'), "a speed"},
-           {"--frequency", "999Hz", "from 1kHz to 10000kHz"},
-           {"--frequency", "10.1MHz", "from 1kHz to 10000kHz"},
-           {"--amplitude", "loud", "distance|uniform"},
-           {"--solver", "best", "naive"},
-           {"--constraint", "none", "normalise|uniform|clamp"},
-           {"--directivity", "up", "omni|piston|t4010a1"},
-           {"--focus", "[0,0,0.1]", "is not a point"}}) {
+  for (const auto& [option, value, remedy] : std::vector<Bad>{{"--backend", "tpu", "gpu|cpu"},
+                                                              {"--log-level", "loud", "quiet|error|warning|info|debug"},
+                                                              {"--validation", "all", "off|core|sync|gpu-assisted"},
+                                                              {"--seed", "-1", "whole number"},
+                                                              {"--seed", "18446744073709551616", "whole number"},
+                                                              {"--temperature", "-60.1", "from -60 to 100"},
+                                                              {"--temperature", "100.1", "from -60 to 100"},
+                                                              {"--temperature", "warm", "number"},
+                                                              {"--sound-speed", "99", "from 100m/s to 2000m/s"},
+                                                              {"--sound-speed", "2001", "from 100m/s to 2000m/s"},
+                                                              {"--sound-speed", "343km", "343m/s"},
+                                                              {"--sound-speed", std::string(100000, '3'), "a speed"},
+                                                              {"--frequency", "999Hz", "from 1kHz to 10000kHz"},
+                                                              {"--frequency", "10.1MHz", "from 1kHz to 10000kHz"},
+                                                              {"--amplitude", "loud", "distance|uniform"},
+                                                              {"--solver", "best", "naive"},
+                                                              {"--constraint", "none", "normalise|uniform|clamp"},
+                                                              {"--directivity", "up", "omni|piston|t4010a1"},
+                                                              {"--focus", "[0,0,0.1]", "is not a point"}}) {
     std::vector<std::string> line = any_drive;
     if (option == "--focus") line.resize(3);
     const Result result = palpa_here(with(line, {option, value}));

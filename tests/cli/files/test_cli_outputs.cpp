@@ -74,10 +74,9 @@ TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
   // The scene is never looked at: it is missing, which would be exit code 4.
   for (const std::string& place : {path("no/such/folder/x.json"), folder_.string()}) {
     const std::string told = place + ": cannot be written: ";
-    expect_untouched({"run", "--scene", path("absent.glb")},
-                     {{{"--json", place}, told, 1},
-                      {{"--events", place}, told, 1},
-                      {{"--link", "record:" + place}, told, 1}});
+    expect_untouched(
+        {"run", "--scene", path("absent.glb")},
+        {{{"--json", place}, told, 1}, {{"--events", place}, told, 1}, {{"--link", "record:" + place}, told, 1}});
     expect_untouched({"decompose", "--scene", path("absent.glb"), "--out", place}, {{{}, told, 1}});
   }
   fs::create_directory(path("used"));

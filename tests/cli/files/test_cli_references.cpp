@@ -91,8 +91,9 @@ TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
   write_text(top_ / "times.csv", "Q7 secret\n");
   write_text(top_ / "mask.png", "Q7 secret\n");
   const auto run_from = [&](const std::string& recording) {
-    return std::vector<std::string>{"run", "--scene", cube_,       "--source", "recording:" + recording, "--frames",
-                                    "1",   "--layout", "openmpd", "--backend", "cpu"};
+    return std::vector<std::string>{"run",      "--scene", cube_,      "--source", "recording:" + recording,
+                                    "--frames", "1",       "--layout", "openmpd",  "--backend",
+                                    "cpu"};
   };
   const std::vector<std::string> run = run_from(folder_);
   const auto with_keys = [&](const std::string& keys, const std::string& mask = {}) {
@@ -100,8 +101,8 @@ TEST_F(CliReferences, OfRecordingsStayInTheirFolder) {
     return run;
   };
   expect_success(with_keys("files = [\"depth-%d.png\"]\n"));
-  for (const std::string& name : {std::string("up/depth-%d.png"), std::string("link-%d.png"),
-                                  (top_ / "depth-%d.png").string()}) {
+  for (const std::string& name :
+       {std::string("up/depth-%d.png"), std::string("link-%d.png"), (top_ / "depth-%d.png").string()}) {
     for (const std::string count : {"", "count = 1\n"})
       expect_refused(with_keys(count + "files = [\"" + name + "\"]\n"), {{{}, "--allow-outside", 4}});
     expect_success(with(run, {"--allow-outside"}));
@@ -127,11 +128,26 @@ TEST_F(CliReferences, ArePlacedByRigsAndLayoutsAsTheUserLikes) {
 
 // Whatever file is given for whatever is wanted: nothing of it is shown.
 TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
-  for (const char* contents :
-       {"Q7Zecret:Q7Zecret:1\n", "Q7Zecret\n", "Q7Zecret = \n", "a = Q7Zecret\n", "a = \"Q7Zecret\nb = 1",
-        "[Q7Zecret\n", "a = 1Q7Zecret\n", "a = '''Q7Zecret", "a = [1, 2 Q7Zecret", "\"\\Q7Zecret\" = 1\n",
-        "a.Q7Zecret = 1\na.Q7Zecret = 1\n", "{Q7Zecret}\n", "{\"a\": Q7Zecret}\n", "sn Q7Zecret 256\n", "1 Q7Zecret\n",
-        "1 2 3 Q7Zecret\n", "Q7Zecret = 1\n", "[Q7Zecret]\n", "[[Q7Zecret]]\na = 1\n", "[\"Q7Zecret\"]"}) {
+  for (const char* contents : {"Q7Zecret:Q7Zecret:1\n",
+                               "Q7Zecret\n",
+                               "Q7Zecret = \n",
+                               "a = Q7Zecret\n",
+                               "a = \"Q7Zecret\nb = 1",
+                               "[Q7Zecret\n",
+                               "a = 1Q7Zecret\n",
+                               "a = '''Q7Zecret",
+                               "a = [1, 2 Q7Zecret",
+                               "\"\\Q7Zecret\" = 1\n",
+                               "a.Q7Zecret = 1\na.Q7Zecret = 1\n",
+                               "{Q7Zecret}\n",
+                               "{\"a\": Q7Zecret}\n",
+                               "sn Q7Zecret 256\n",
+                               "1 Q7Zecret\n",
+                               "1 2 3 Q7Zecret\n",
+                               "Q7Zecret = 1\n",
+                               "[Q7Zecret]\n",
+                               "[[Q7Zecret]]\na = 1\n",
+                               "[\"Q7Zecret\"]"}) {
     SCOPED_TRACE(contents);
     const std::string file = path("theirs");
     write_text(file, contents);

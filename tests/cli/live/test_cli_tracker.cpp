@@ -43,7 +43,7 @@ class Tracker : public testing::Test {
     sensing::Rig rig = sensing::load_rig(source_file("tests/cli/support/small_rig.toml"));
     rig.T_world_joints = true_pose();
     write_text(file("rig.toml"), sensing::to_toml(rig));
-    write_text(file("bad.jsonl"), line_of({1, {}}) + "\nhand\n");
+    write_text(file("bad.jsonl"), test::line_of({1, {}}) + "\nhand\n");
     write_text(file("dip.jsonl"), lines_of(dip(Transform(1.0))));
     write_text(file("posed.jsonl"), lines_of(dip(glm::inverse(true_pose()))));
   }

@@ -13,14 +13,15 @@
 
 namespace palpa::test {
 
-inline std::string asset(const std::string& name) {
+inline std::string asset_file(const std::string& name) {
   return source_file("assets/" + name).string();
 }
 
-/// The command's line, on the processor.
-inline std::vector<std::string> cube_touch(const std::vector<std::string>& more) {
-  return with({"touch", "--scene", asset("cube.glb"), "--points", asset("finger.ply"), "--penetration", "3mm",
-               "--backend", "cpu"},
+/// The command's line.
+inline std::vector<std::string> cube_touch(const std::vector<std::string>& more = {},
+                                           const std::string& backend = "cpu") {
+  return with({"touch", "--scene", asset_file("cube.glb"), "--points", asset_file("finger.ply"), "--penetration", "3mm",
+               "--backend", backend},
               more);
 }
 

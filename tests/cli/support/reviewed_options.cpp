@@ -42,9 +42,8 @@ const std::vector<std::string> touched{"--delta 1mm", "--finger-gap 0.1mm", "--m
 /// Options of drives. Foci have to sound together for a solver to make a difference.
 const std::vector<std::string> driven{"--amplitude uniform", "--constraint uniform", "--pressure 500Pa",
                                       "--temperature 30",    "--sound-speed 350m/s", "--frequency 41kHz"};
-const Effects sounding{{"", driven},
-                       {"", {"--directivity omni", "--spread phase=0.1"}},
-                       {"--spread phase=0.1", {"--draws 30"}}};
+const Effects sounding{
+    {"", driven}, {"", {"--directivity omni", "--spread phase=0.1"}}, {"--spread phase=0.1", {"--draws 30"}}};
 
 ReviewedLine of_touch() {
   const std::string points = " --points ROOT/assets/finger.ply --penetration 3mm --backend cpu";
@@ -75,16 +74,17 @@ ReviewedLine of_touch() {
 ReviewedLine of_run() {
   return {
       .line = "run --scene ROOT/assets/cube.glb --backend cpu --frames 1",
-      .idle = joined<IdleOptions>({no_gpu,
-                                   parts,
-                                   {{"--event-move goes with --events", {"--event-move 1mm"}},
-                                    {"--noise-free goes with", {"--noise-free --source recording:none"}},
-                                    {"--spot goes with --tune", {"--spot 4mm"}},
-                                    {"--overwrite goes with --record", {"--overwrite"}},
-                                    {"--predict-latency goes with --predict auto", {"--predict off --predict-latency 20ms"}},
-                                    {"give --predict-latency", {"--every-frame --predict auto"}},
-                                    {"--finger goes with --transfer finger", {"--finger tip.ply"}},
-                                    {"--board-files goes with a link to boards", {"--board-files /"}}}}),
+      .idle = joined<IdleOptions>(
+          {no_gpu,
+           parts,
+           {{"--event-move goes with --events", {"--event-move 1mm"}},
+            {"--noise-free goes with", {"--noise-free --source recording:none"}},
+            {"--spot goes with --tune", {"--spot 4mm"}},
+            {"--overwrite goes with --record", {"--overwrite"}},
+            {"--predict-latency goes with --predict auto", {"--predict off --predict-latency 20ms"}},
+            {"give --predict-latency", {"--every-frame --predict auto"}},
+            {"--finger goes with --transfer finger", {"--finger tip.ply"}},
+            {"--board-files goes with a link to boards", {"--board-files /"}}}}),
       // A run measures itself, so that no two of them have the same results. These are tried with export.
       .untried =
           "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
@@ -98,12 +98,12 @@ std::vector<ReviewedLine> of_export() {
   const std::string cube = "export --scene ROOT/assets/cube.glb --backend cpu",
                     recorded = cube + " --source recording:ROOT/assets/depth/take";
   const Idles of_sound{{"OPTION goes with --drives", sound}},
-              of_order{{"OPTION goes with --drives",
-                        {"--stride 7", "--modulation amplitude-sine", "--modulation-frequency 100Hz", "--tune"}}},
-              of_foci{{"OPTION goes with --foci",
-                       {"--foci-count 8", "--spacing arc", "--method ellipse", "--axes covariance", "--smoothing none",
-                        "--predict-latency 20ms", "--ceiling 0.5"}},
-                      {"OPTION goes with --drives", {"--layout openmpd", "--rig ROOT/assets/rigs/paper.toml"}}};
+      of_order{{"OPTION goes with --drives",
+                {"--stride 7", "--modulation amplitude-sine", "--modulation-frequency 100Hz", "--tune"}}},
+      of_foci{{"OPTION goes with --foci",
+               {"--foci-count 8", "--spacing arc", "--method ellipse", "--axes covariance", "--smoothing none",
+                "--predict-latency 20ms", "--ceiling 0.5"}},
+              {"OPTION goes with --drives", {"--layout openmpd", "--rig ROOT/assets/rigs/paper.toml"}}};
   return {
       {.line = cube + " --frames 1 --foci -",
        .idle = joined<IdleOptions>({no_gpu,
@@ -186,25 +186,25 @@ std::vector<ReviewedLine> of_calibrate() {
 
 std::vector<ReviewedLine> of_drive() {
   const std::string line = "drive --layout openmpd --focus 0,0,10cm --backend cpu";
-  return {{.line = line,
-           .idle = joined<IdleOptions>({no_gpu,
-                                        {{"OPTION goes with --touch", {"--slot 1", "--rig x.toml"}},
-                                         {"OPTION goes with --transfer finger",
-                                          {"--mesh SCRATCH/above.ply", "--force"}},
-                                         {"--draws goes with --spread", {"--draws 50"}}}}),
-           .untried = "--touch --pattern",
-           .tried_as = line + " --focus 2cm,0,10cm --json OUT/drive.json",
-           .effective = joined<EffectiveOptions>(
-               {sounding,
-                {{"",
-                  {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm", "--csv OUT/drive.csv",
-                   "--transfer finger --mesh SCRATCH/above.ply"}}}})},
-          {.line = "drive --layout openmpd --touch x.json --backend cpu",
-           .idle = {{"exclude each other", {"--focus 0,0,10cm"}}}},
-          {.line = "drive --layout paper --pattern hoshi --backend cpu",
-           .idle = {{"--focus and --pattern exclude each other", {"--focus 0,0,1cm"}},
-                    {"--null and --pattern exclude each other", {"--null 2cm,0,0"}},
-                    {"--pattern and --touch exclude each other", {"--touch x.json"}}}}};
+  return {
+      {.line = line,
+       .idle = joined<IdleOptions>({no_gpu,
+                                    {{"OPTION goes with --touch", {"--slot 1", "--rig x.toml"}},
+                                     {"OPTION goes with --transfer finger", {"--mesh SCRATCH/above.ply", "--force"}},
+                                     {"--draws goes with --spread", {"--draws 50"}}}}),
+       .untried = "--touch --pattern",
+       .tried_as = line + " --focus 2cm,0,10cm --json OUT/drive.json",
+       .effective =
+           joined<EffectiveOptions>({sounding,
+                                     {{"",
+                                       {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm",
+                                        "--csv OUT/drive.csv", "--transfer finger --mesh SCRATCH/above.ply"}}}})},
+      {.line = "drive --layout openmpd --touch x.json --backend cpu",
+       .idle = {{"exclude each other", {"--focus 0,0,10cm"}}}},
+      {.line = "drive --layout paper --pattern hoshi --backend cpu",
+       .idle = {{"--focus and --pattern exclude each other", {"--focus 0,0,1cm"}},
+                {"--null and --pattern exclude each other", {"--null 2cm,0,0"}},
+                {"--pattern and --touch exclude each other", {"--touch x.json"}}}}};
 }
 
 const IdleOptions of_plane{"goes with --plane", {"--centre 0,0,0", "--size 6mm,6mm", "--pixels 8,8"}};
@@ -222,9 +222,9 @@ ReviewedLine of_field() {
           .effective = joined<EffectiveOptions>(
               {sounding,
                {{"",
-                 {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm",
-                  "--line 0,0,1cm 0,0,3cm", "--samples 5", "--csv OUT/other.csv", "--vtu OUT/field.vtu",
-                  "--png OUT/field.png", "--no-absorption", "--humidity 20", "--air-pressure 90kPa"}}}})};
+                 {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm", "--line 0,0,1cm 0,0,3cm",
+                  "--samples 5", "--csv OUT/other.csv", "--vtu OUT/field.vtu", "--png OUT/field.png", "--no-absorption",
+                  "--humidity 20", "--air-pressure 90kPa"}}}})};
 }
 
 std::vector<ReviewedLine> of_scatter() {
@@ -283,19 +283,19 @@ std::vector<ReviewedLine> of_simulate() {
 }
 
 ReviewedLine of_afferents() {
-  return {.line = "afferents --scene ROOT/assets/cube.glb --finger SCRATCH/tip.ply --penetration 1mm --layout openmpd "
-                  "--duration 50ms --json OUT/a.json",
-          .idle = joined<IdleOptions>({no_gpu_at_all,
-                                       {{"exclude each other", {"--linear --crest 16"}},
-                                        {"--stride: a single focus has no order",
-                                         {"--stride 3 --method single-focus"}}}}),
-          .untried = "--scene --finger --delta",
-          .effective = {{"",
-                         {"--penetration 0.8mm", "--x 1mm", "--z 1mm", "--yaw 30", "--method ellipse", "--foci 6",
-                          "--stride 1", "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear",
-                          "--duration 60ms", "--bin 10ms", "--csv OUT/sites.csv", "--times OUT/times.csv",
-                          "--png OUT/spikes.png"}},
-                        {"--method single-focus", {"--modulation-frequency 100"}}}};
+  return {
+      .line =
+          "afferents --scene ROOT/assets/cube.glb --finger SCRATCH/tip.ply --penetration 1mm --layout openmpd "
+          "--duration 50ms --json OUT/a.json",
+      .idle = joined<IdleOptions>({no_gpu_at_all,
+                                   {{"exclude each other", {"--linear --crest 16"}},
+                                    {"--stride: a single focus has no order", {"--stride 3 --method single-focus"}}}}),
+      .untried = "--scene --finger --delta",
+      .effective = {{"",
+                     {"--penetration 0.8mm", "--x 1mm", "--z 1mm", "--yaw 30", "--method ellipse", "--foci 6",
+                      "--stride 1", "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear", "--duration 60ms",
+                      "--bin 10ms", "--csv OUT/sites.csv", "--times OUT/times.csv", "--png OUT/spikes.png"}},
+                    {"--method single-focus", {"--modulation-frequency 100"}}}};
 }
 
 /// A command of studies, which use no GPU.
@@ -305,28 +305,27 @@ ReviewedLine of_study(const std::string& line, const std::string& untried, const
 
 std::vector<ReviewedLine> of_studies() {
   const std::string plan = "ROOT/assets/studies/paper.toml";
-  return {
-      of_study("analyse none", "--html --csv"),
-      of_study("compare paper", "--html --csv"),
-      of_study("level " + plan, "", {{"--override has no effect", {"--override x"}}}),
-      of_study("plan " + plan, "--participant --csv", {{"--seed belongs to the plan", {"--seed 1"}}}),
-      of_study("rehearse " + plan + " --participant 1 --out none/x", "--participant --out --accuracy"),
-      {.line = "study run " + plan + " --participant 1 --out none/x --rehearse 1 --size 640x480",
-       .idle = {{"--monitor and --size exclude each other", {"--monitor 1"}},
-                {"--eyes-apart goes with --stereo", {"--eyes-apart 60mm"}},
-                {"go with --stereo columns or rows",
-                 {"--barrier-pitch 1mm", "--barrier-gap 1mm", "--barrier-phase 0.5"}},
-                {"has no option 'OPTION'", {"--osc 9000", "--reload"}},
-                {"--gpu", {"--backend cpu --gpu 0"}},
-                {"--validation", {"--backend cpu --validation core"}}},
-       .untried =
-           "--participant --out --source --link --rig --board-files --hold --size --stereo --override --rehearse "
-           "--gpu --validation"},
-      of_study("simulate " + plan, "--finger --beside --html --csv --prediction"),
-      of_study("withdraw 1 --out none", "--out"),
-      of_study("power",
-               "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power --people "
-               "--studies")};
+  return {of_study("analyse none", "--html --csv"),
+          of_study("compare paper", "--html --csv"),
+          of_study("level " + plan, "", {{"--override has no effect", {"--override x"}}}),
+          of_study("plan " + plan, "--participant --csv", {{"--seed belongs to the plan", {"--seed 1"}}}),
+          of_study("rehearse " + plan + " --participant 1 --out none/x", "--participant --out --accuracy"),
+          {.line = "study run " + plan + " --participant 1 --out none/x --rehearse 1 --size 640x480",
+           .idle = {{"--monitor and --size exclude each other", {"--monitor 1"}},
+                    {"--eyes-apart goes with --stereo", {"--eyes-apart 60mm"}},
+                    {"go with --stereo columns or rows",
+                     {"--barrier-pitch 1mm", "--barrier-gap 1mm", "--barrier-phase 0.5"}},
+                    {"has no option 'OPTION'", {"--osc 9000", "--reload"}},
+                    {"--gpu", {"--backend cpu --gpu 0"}},
+                    {"--validation", {"--backend cpu --validation core"}}},
+           .untried =
+               "--participant --out --source --link --rig --board-files --hold --size --stereo --override --rehearse "
+               "--gpu --validation"},
+          of_study("simulate " + plan, "--finger --beside --html --csv --prediction"),
+          of_study("withdraw 1 --out none", "--out"),
+          of_study("power",
+                   "--html --csv --baseline --accuracy --spread --correlation --trials --alpha --power --people "
+                   "--studies")};
 }
 
 std::vector<ReviewedLine> of_emulate() {
