@@ -225,8 +225,8 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   };
   // A slow machine may be late with the first drive, never with the last one.
   EXPECT_LE(sounding("30ms"), 0.030 + 2 * 1.5e-3);
-  const double longer = sounding("700ms");
-  EXPECT_LE(longer, 0.7 + 2 * 1.5e-3);
+  const double longer = sounding("2s");
+  EXPECT_LE(longer, 2 + 2 * 1.5e-3);
   EXPECT_GT(longer, 0.3);
 }
 
@@ -316,7 +316,7 @@ TEST(CliEvents, ALinkIntoAFifoThatNobodyReadsEndsTheRunInItsTime) {
                     "record:" + drives.string(), "--log-level", "quiet"},
                    small_frames()));
   const int reader = open_and_wait(drives);
-  EXPECT_EQ(child.wait(30s), 1) << "64 kB are two drives: the link gives up after a second";
+  EXPECT_EQ(child.wait(60s), 1) << "64 kB are two drives: the link gives up after a second";
   close(reader);
 }
 

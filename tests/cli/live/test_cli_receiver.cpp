@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,13 +20,13 @@
 #include <thread>
 #include <vector>
 
+#include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
+#include "support/begins.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
-
-extern char** environ;
 
 namespace palpa::test {
 namespace {
@@ -74,36 +72,14 @@ class Sender {
   sockaddr_in address_{};
 };
 
-/// A program in the background; killed, should it still run.
-class Child {
- public:
-  Child(const std::string& program, std::vector<std::string> words) {
-    std::vector<char*> argv;
-    words.insert(words.begin(), program);
-    for (std::string& word : words)
-      argv.push_back(word.data());
-    argv.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv.data(), environ), 0);
-  }
-  ~Child() {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  void signal(int number) const { kill(pid_, number); }
-
- private:
-  pid_t pid_ = 0;
-};
-
 /// The example of docs/files.md, as it stands there. What it prints goes into a file.
 class PythonReceiver {
  public:
   PythonReceiver(int port, std::filesystem::path out, const std::string& seconds = "60")
       : out_(std::move(out)),
-        child_("/bin/sh", {"-c", "exec python3 '" + source_file("docs/examples/receive_foci.py").string() + "' " +
-                                     std::to_string(port) + " " + seconds + " >'" + out_.string() + "' 2>&1"}) {}
+        run_({"-c", "exec python3 '" + source_file("docs/examples/receive_foci.py").string() + "' " +
+                        std::to_string(port) + " " + seconds + " >'" + out_.string() + "' 2>&1"},
+             {.program = "/bin/sh"}) {}
 
   std::vector<std::string> lines() const {
     std::ifstream in(out_);
@@ -114,25 +90,21 @@ class PythonReceiver {
   }
   /// Waits until the last line of at least `least` ends like that.
   bool says(const std::string& last, std::size_t least = 1) const {
-    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
+    return begins([&] {
       const std::vector<std::string> all = lines();
-      if (all.size() >= least && all.back().ends_with(last)) return true;
-    }
-    return false;
+      return all.size() >= least && all.back().ends_with(last);
+    });
   }
   /// Waits for a line that holds this.
   bool has_said(const std::string& part) const {
-    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
-      for (const std::string& line : lines()) {
-        if (line.find(part) != std::string::npos) return true;
-      }
-    }
-    return false;
+    return begins([&] {
+      return std::ranges::any_of(lines(), [&](const std::string& line) { return line.find(part) != line.npos; });
+    });
   }
 
  private:
   std::filesystem::path out_;
-  Child child_;
+  LiveRun run_;
 };
 
 TEST(Receiver, PlaysWhatItIsTold) {
@@ -141,7 +113,7 @@ TEST(Receiver, PlaysWhatItIsTold) {
   const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
   ASSERT_TRUE(receiver.says("listening"));
 
-  const Result result = palpa(with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
+  const Result result = palpa(with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--hold", "1s", "--link",
                                     "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
                                    small_frames()));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -224,7 +196,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
                                         with(R"("gain": 1)", R"("gain": 2)"),
                                         with(R"("modulation_hz": 0)", R"("modulation_hz": 200)"),
                                         with(R"("id": 1,)", "")};
-  // For longer than the hold: none of them may prolong what sounds.
+  // None of them may prolong what sounds.
   for (const std::string& stray : strays) {
     sender.send(stray);
     std::this_thread::sleep_for(10ms);
@@ -283,9 +255,9 @@ TEST(Receiver, GoesSilentWhenPalpaCrashes) {
     const Sender sender;
     const PythonReceiver receiver(sender.port(), folder / std::to_string(crash));
     ASSERT_TRUE(receiver.says("listening"));
-    const Child run(palpa_binary(), with({"run", "--scene", cube(), "--backend", "cpu", "--quiet", "--link",
-                                          "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
-                                         small_frames()));
+    const LiveRun run(with({"--scene", cube(), "--backend", "cpu", "--quiet", "--link",
+                            "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
+                           small_frames()));
     ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
     run.signal(crash);
     EXPECT_TRUE(receiver.says(": silent", 3)) << "signal " << crash;

@@ -4,11 +4,9 @@
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <functional>
-#include <thread>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
@@ -28,8 +26,8 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-/// The second that palpa promises, and half a second for the system on a busy machine.
-constexpr double a_second = 1.5;
+/// The second that palpa promises, and as much again for the system; more in instrumented builds.
+constexpr double a_second = instrumented() ? 6 : 2;
 
 std::string cube() {
   return source_file("assets/cube.glb").string();
@@ -51,7 +49,7 @@ fs::path named_cube(const fs::path& folder, const std::string& name) {
 /// A session with a listener.
 struct Stage {
   fs::path folder;
-  UdpReceiver receiver{std::chrono::seconds(1)};
+  UdpReceiver receiver;
   std::string last;
 
   explicit Stage(const std::string& name) : folder(scratch_folder(name)) {}
@@ -62,11 +60,7 @@ struct Stage {
   /// Receives lines until at least `sounding` of them sound and there are at least `any` lines.
   void hear(int sounding, int any = 0) {
     for (int heard = 0, all = 0; heard < sounding || all < any; ++all) {
-      const int patience = last.empty() ? 60 : 3;  // the first loop on a machine compiles the shaders
-      std::string next;
-      for (int tries = 0; tries < patience && next.empty(); ++tries)
-        next = receiver.next();
-      last = next;
+      last = receiver.next();
       ASSERT_FALSE(last.empty()) << "it stopped sounding after " << heard << " of " << sounding << " lines";
       heard += json::parse(last)["fingers"].empty() ? 0 : 1;
     }
@@ -78,10 +72,10 @@ struct Stage {
   }
   void expect_silent_end(LiveRun& run, int signal = SIGTERM) {
     run.signal(signal);
-    const LiveRun::End end = run.wait(10);
+    const LiveRun::End end = run.wait(60);
     EXPECT_TRUE(end.ended);
     EXPECT_EQ(end.by_signal, 0);
-    EXPECT_LT(end.after_s, a_second * (instrumented() ? 3 : 1));
+    EXPECT_LT(end.after_s, a_second);
     hear_the_end();
     EXPECT_TRUE(json::parse(last)["fingers"].empty()) << last;
     last.clear();
@@ -121,11 +115,7 @@ TEST(CliSilence, ItsTerminalIsStopped) {
   LiveRun run(stage.line({}), {.err = &terminal, .foreground = true});
   stage.hear(20);
   std::string seen;  // the line with the state is drawn twice a second
-  for (int i = 0; i < 200 && seen.find("SOUNDING") == std::string::npos; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    seen += terminal.read_all();
-  }
-  EXPECT_NE(seen.find("SOUNDING"), std::string::npos) << seen;
+  EXPECT_TRUE(begins([&] { return (seen += terminal.read_all()).find("SOUNDING") != std::string::npos; })) << seen;
   terminal.stop();
   stage.hear(60);  // twice a second it would draw
   stage.expect_silent_end(run);
@@ -154,7 +144,7 @@ TEST(CliSilence, NobodyReadsItsDrives) {
     LiveRun run(with({"--scene", cube(), "--link", "record:" + fifo.string()}, small_frames()));
     wait_until(run, reader);
     run.signal(SIGTERM);
-    EXPECT_LT(run.wait(10).after_s, a_second * (instrumented() ? 3 : 1));
+    EXPECT_LT(run.wait(60).after_s, a_second);
     close(reader);
   };
   const auto before_it_sounds = [&] { ends("early", [](LiveRun& run, int) { run.wait(0.3); }); };
@@ -234,7 +224,7 @@ TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
     disk.hang();
     run.wait(after_s);
     run.signal(SIGTERM);
-    EXPECT_LT(run.wait(10).after_s, a_second);
+    EXPECT_LT(run.wait(60).after_s, a_second);
   };
   side_by_side({[&] { ends(soon, 0.05); }, [&] { ends(later, 1.5); }});
 }
@@ -251,7 +241,7 @@ TEST(CliSilence, ADiskThatPausesLosesNothing) {
   };
   const auto without_pause = [&] {
     LiveRun run(line(steady));
-    EXPECT_EQ(run.wait(60).exit_code, 0);
+    EXPECT_EQ(run.wait(120).exit_code, 0);
   };
   const auto with_pause = [&] {
     const HungDisk disk{fs::canonical(pausing.folder)};
@@ -262,7 +252,7 @@ TEST(CliSilence, ADiskThatPausesLosesNothing) {
     disk.hang();
     EXPECT_FALSE(run.wait(4).ended) << "it did not wait for its disk: " << read_text(disk.folder / "messages");
     disk.answer();
-    EXPECT_EQ(run.wait(60).exit_code, 0) << read_text(disk.folder / "messages");
+    EXPECT_EQ(run.wait(120).exit_code, 0) << read_text(disk.folder / "messages");
   };
   side_by_side({without_pause, with_pause});
   EXPECT_EQ(read_text(pausing.folder / "events"), read_text(steady.folder / "events"));
