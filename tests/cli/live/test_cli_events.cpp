@@ -144,7 +144,8 @@ void expect_wanted(const std::string& text) {
 
 struct Stage {
   std::filesystem::path folder = scratch_folder("events");
-  std::string scene = button(folder, R"({"press_depth_m":0.003})").string(), source = "recording:" + take(folder).string();
+  std::string scene = button(folder, R"({"press_depth_m":0.003})").string();
+  std::string source = "recording:" + take(folder).string();
 
   std::vector<std::string> run(const std::vector<std::string>& more) const {
     return with({"run", "--scene", scene, "--source", source, "--every-frame"}, more);

@@ -83,6 +83,11 @@ TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
   const auto before = contents();
   expect_failure(palpa_here(run({"--frames", "1", "--record", path("take"), "--overwrite", "--link", "nobody"})), 2,
                  "nobody");
+  fs::create_directory(path("empty"));
+  for (const char* name : {"never", "empty"})
+    expect_failure(palpa_here(run({"--record", path(name), "--link", "foci:udp:nowhere"})), 2,
+                   "link foci takes udp:HOST:PORT");
+  fs::remove(path("empty"));  // which must be empty
   EXPECT_TRUE(contents() == before);
 }
 

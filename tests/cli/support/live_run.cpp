@@ -31,7 +31,7 @@ bool has_ended(pid_t child) {
   return name_end == std::string::npos || stat[name_end + 2] == 'Z' || stat[name_end + 2] == 'X';
 }
 
-/// For how long its threads were ready and got no processor so far, seconds; threads that have ended keep what they had.
+/// For how long each of its threads was ready and got no processor so far, seconds. Threads that have ended stay.
 void look_at_delays(pid_t child, std::map<std::string, double>& delays_s) {
   std::error_code gone;
   std::filesystem::directory_iterator thread("/proc/" + std::to_string(child) + "/task", gone);
