@@ -50,7 +50,7 @@ class CliRecording : public testing::Test {
 };
 
 TEST_F(CliRecording, HasEveryFrameOfALiveRun) {
-  const Result result = palpa(run({"--frames", "90", "--record", path("take")}));
+  const Result result = palpa_here(run({"--frames", "90", "--record", path("take")}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err.find(path("take")), std::string::npos) << result.err;
   EXPECT_TRUE(result.out.starts_with(path("take") + ": all 90 frames are recorded\n")) << result.out;
