@@ -24,6 +24,7 @@
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "support/time_limits.hpp"
 
 namespace palpa::test {
 namespace {

@@ -1,15 +1,14 @@
 // What the rigs of boards share.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "driver/board.hpp"
+#include "support/begins.hpp"
 
 namespace palpa::test {
 
@@ -20,13 +19,12 @@ class KeptNotes final : public driver::BoardNotes {
   std::vector<std::string> warnings, infos;
 };
 
-/// Whether this becomes true within a minute. The lock is held while it is asked.
+/// Waits like begins(). The lock is held while it is asked.
 inline bool becomes(std::mutex& lock, const std::function<bool()>& wanted) {
-  for (int i = 0; i < 60000; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+  return begins([&] {
     const std::lock_guard held(lock);
-    if (wanted()) return true;
-  }
-  return false;
+    return wanted();
+  });
 }
 
 }  // namespace palpa::test

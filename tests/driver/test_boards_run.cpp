@@ -1,17 +1,16 @@
 // `palpa run` with emulated AUTD3 units and SonicSurface boards: the real programs, with a line between them.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "driver/autd3/emulated/listener.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -56,11 +55,10 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
                     (folder / "wire.jsonl").string()},
                    options);
   Result result;
-  for (int tries = 0; tries < 50 && result.exit_code != 0; ++tries) {
+  begins([&] {
     result = palpa(with(run_to("autd3:" + address, "autd3"), {"--log-level", "info", "--json", "-"}));
-    if (result.err.find("cannot be reached") == std::string::npos) break;  // otherwise it does not listen yet
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
+    return result.err.find("cannot be reached") == std::string::npos;  // otherwise it does not listen yet
+  });
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_CONTAINS(result.err, "plans transferred");
   expect_counts(result.out);
@@ -70,7 +68,7 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   EXPECT_EQ(own.exit_code, 0) << own.err;
   EXPECT_CONTAINS(own.err, "palpa uses the link's own array, --layout autd3");
   emulator.signal(SIGTERM);
-  EXPECT_EQ(emulator.wait(10).exit_code, 0);
+  EXPECT_EQ(emulator.wait(60).exit_code, 0);
   const json report = json::parse(read_text(folder / "report.json"));
   EXPECT_EQ(report["violation_count"], 0) << report;
   EXPECT_FALSE(report["sounds"].get<bool>());
@@ -86,11 +84,12 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
 /// palpa, repeated while the guard of the previous run still holds the line: on a busy machine, that guard ends a
 /// little later.
 Result palpa_on_free_line(const std::vector<std::string>& arguments) {
-  for (int tries = 0;; ++tries) {
-    Result result = palpa(arguments);
-    if (tries == 100 || result.err.find("another program has it") == std::string::npos) return result;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
+  Result result;
+  begins([&] {
+    result = palpa(arguments);
+    return result.err.find("another program has it") == std::string::npos;
+  });
+  return result;
 }
 
 TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {

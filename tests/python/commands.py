@@ -7,6 +7,7 @@ import shlex
 import struct
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -44,7 +45,15 @@ def run(words, cwd=ROOT):
     return done.stdout
 
 
-def python(code, *arguments, timeout=60, **more):
+def begins(condition, limit_s=120):
+    """Waits until this holds, however late it does on a busy machine."""
+    end = time.monotonic() + limit_s
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def python(code, *arguments, timeout=120, **more):
     """Runs a program of its own."""
     return subprocess.run([sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, timeout=timeout, check=False,
                           **{"cwd": ROOT} | more)
@@ -56,12 +65,21 @@ def in_threads(*works):
         return [one.result(60) for one in [executor.submit(work) for work in works]]
 
 
-def drives_in(file, transducers=256):
-    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md."""
-    data = file.read_bytes()
-    assert data[:8] == b"palpadrv" and struct.unpack_from("<II", data, 8) == (1, transducers)
+def drives_in(file, transducers=256, so_far=False):
+    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md. `so_far`: while it is being written."""
     slot = np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))])
+    data = file.read_bytes() if file.exists() or not so_far else b""
+    if so_far:
+        if len(data) < 24 + slot.itemsize:
+            return np.zeros((1, transducers))
+        data = data[:len(data) - (len(data) - 24) % slot.itemsize]
+    assert data[:8] == b"palpadrv" and struct.unpack_from("<II", data, 8) == (1, transducers)
     return np.frombuffer(data[24:], slot)["drive"][:, :, 0]
+
+
+def newest_in(file):
+    """The largest amplitude of the newest drive of a run that goes on; 0 if there is none yet."""
+    return round(float(drives_in(file, so_far=True)[-1].max()), 6)
 
 
 def assert_it_sounded_and_ended_in_silence(file):

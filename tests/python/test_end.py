@@ -86,7 +86,7 @@ except KeyboardInterrupt:
                           text=True) as process:
         assert process.stdout.readline() == "sounds\n"
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=20)
+        out, err = process.communicate(timeout=120)
     assert (out, without_lateness(err), process.returncode) == ("interrupted False\n", "", 0)
     assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
 
@@ -120,7 +120,7 @@ except KeyboardInterrupt:
                 break
             except subprocess.TimeoutExpired:
                 pass
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=120)
     assert (out, process.returncode, without_lateness(err)) == ("interrupted\n", 0, "")
     assert_it_sounded_and_ended_in_silence(tmp_path / "drives.bin")
 
@@ -128,7 +128,7 @@ except KeyboardInterrupt:
 @pytest.mark.times
 @pytest.mark.parametrize("backend", ["cpu", "gpu"])
 def test_ctrl_c_ends_a_field_and_a_spread(backend):
-    """Without it, each takes a minute."""
+    """Without it, each takes a minute of processor time."""
     paper = palpa.Layout("paper")
     drive = paper.drive([0, 0, 0], backend="cpu")
     plane = palpa.plane("xy", size=(0.2, 0.2), pixels=(2048, 2048))
@@ -138,14 +138,14 @@ def test_ctrl_c_ends_a_field_and_a_spread(backend):
         sent = []
 
         def interrupt(sent=sent):
-            sent.append(time.monotonic())
+            sent.append(time.process_time())
             os.kill(os.getpid(), signal.SIGINT)
 
         timer = threading.Timer(0.15, interrupt)
-        timer.start()
         with pytest.raises(KeyboardInterrupt):
+            timer.start()
             work()
-        assert time.monotonic() - sent[0] < 10
+        assert time.process_time() - sent[0] < 10
         timer.join()
 
 

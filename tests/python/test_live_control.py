@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import PALPA, ROOT, run, without_lateness
-from test_session import drives_in, pressed
+from commands import PALPA, ROOT, begins, drives_in, newest_in, run, without_lateness
+from test_session import pressed
 
 needs_liblo = pytest.mark.skipif("+liblo" not in run(["--version"]), reason="this palpa was built without liblo")
-SETTLED_S = 0.3  # a message is taken long before
 
 
 def padded(text):
@@ -49,10 +48,6 @@ class Program:
         for packet in packets:
             self.socket.sendto(packet, ("127.0.0.1", self.port))
 
-    def settle(self, *packets):
-        self.send(*packets)
-        time.sleep(SETTLED_S)
-
 
 @pytest.fixture
 def program():
@@ -81,34 +76,49 @@ def test_a_pose_holds_from_the_next_frame_on(cube, finger, program):
         skin = pressed(finger, 1e-3)
         assert len(push(skin).fingers) == 1
         for pose, touches in [((0, -0.01, 0), 0), ((0, 0.001, 0), 1), ((0.5, 0, 0), 0), ((0, 0, 0), 1),
-                              ((0, -0.04, 0, 0, 0, 1, 0), 1),  # upside down: its lower side is now at the top
+                              ((0.5, 0, 0), 0), ((0, -0.04, 0, 0, 0, 1, 0), 1),  # upside down: its lower side is now at the top
                               ((0, 0.1, 0, 0, 0, 1, 0), 0),
                               ((0, 0, 0, 0, 0.7071068, 0, 0.7071068), 1)]:
-            program.settle(message("/palpa/pose/cube", "f" * len(pose), *pose))
-            assert len(push(skin).fingers) == touches, pose
-        program.settle(bundle(message("/palpa/gain", "f", 0.5), bundle(message("/palpa/pose/cube", "ddd", 0, -0.01, 0))))
-        assert push(skin).fingers == []
+            program.send(message("/palpa/pose/cube", "f" * len(pose), *pose))
+            begins(lambda touches=touches: len(push(skin).fingers) == touches)
+        program.send(bundle(message("/palpa/gain", "f", 0.5), bundle(message("/palpa/pose/cube", "ddd", 0, -0.01, 0))))
+        begins(lambda: push(skin).fingers == [])
         session.stop()
         counts = json.loads(session.wait().json())["osc"]
-    assert counts == {"taken": 9, "refused": 0}  # two of them in a bundle
+    assert counts == {"taken": 10, "refused": 0}  # two of them in a bundle
 
 
 @needs_liblo
 def test_gain_and_mute_multiply_the_ceiling_and_never_raise_it(cube, finger, program, tmp_path):
     file = tmp_path / "drives.bin"
     session, push = pushed(cube, program, link=f"record:{file}", ceiling=0.5)
+    skin = pressed(finger, 1e-3)
+
+    def plays(amplitude):
+        begins(lambda: len(push(skin).fingers) == 1 and newest_in(file) == amplitude)
+
     with session:
-        push(pressed(finger, 1e-3))
-        time.sleep(SETTLED_S)
-        program.settle(message("/palpa/gain", "f", 0.5))
-        program.settle(message("/palpa/mute", "i", 1))
-        program.settle(message("/palpa/gain", "d", 0.25))  # it stays muted
-        program.settle(message("/palpa/mute", "F"))
+        plays(0.5)
+        program.send(message("/palpa/gain", "f", 0.5))
+        plays(0.25)
+        program.send(message("/palpa/mute", "i", 1))
+        plays(0)
+        # It stays muted: the poses say that the gain was taken.
+        program.send(message("/palpa/gain", "d", 0.25), message("/palpa/pose/cube", "fff", 0.5, 0, 0))
+        begins(lambda: push(skin).fingers == [])
+        program.send(message("/palpa/pose/cube", "fff", 0, 0, 0))
+        plays(0)
+        slots = len(drives_in(file, so_far=True))
+        begins(lambda: len(push(skin).fingers) == 1 and len(drives_in(file, so_far=True)) > slots + 20)
+        assert not drives_in(file, so_far=True)[slots:].any()
+        program.send(message("/palpa/mute", "F"))
+        plays(0.125)
         with pytest.warns(palpa.PalpaWarning, match="/palpa/gain: give a number from 0 to 1"):
-            program.settle(*(message("/palpa/gain", "f", gain) for gain in (7, -1, float("nan"), float("inf"))))
-            program.settle(message("/palpa/gain", "i", 1))
+            program.send(*(message("/palpa/gain", "f", gain) for gain in (7, -1, float("nan"), float("inf"))))
+            program.send(message("/palpa/gain", "i", 1))
+            plays(0.5)
             session.stop()
-            assert json.loads(session.wait().json())["osc"] == {"taken": 5, "refused": 4}
+            assert json.loads(session.wait().json())["osc"] == {"taken": 7, "refused": 4}
     loudest = np.round(drives_in(file).max(axis=1), 6)
     steps = list(loudest[np.flatnonzero(np.diff(loudest, prepend=-1))])
     assert steps[1 if steps[0] == 0 else 0:] == [0.5, 0.25, 0, 0.125, 0.5, 0]
@@ -120,22 +130,22 @@ def test_how_an_object_feels_changes_within_the_ceiling(finger, program, tmp_pat
     session, push = pushed(palpa.Scene(ROOT / "assets/button-and-knob.glb"), program, link=f"record:{file}", ceiling=0.5)
     with session:
         with pytest.warns(palpa.PalpaWarning, match="/palpa/stiffness/button: give 1 to 32 pairs"):
-            skin = pressed(finger, 1e-3)
-            push(skin)
-            for packet in (message("/palpa/stiffness/button", "ff", 0, 0.25), message("/palpa/stiffness/button", "ff", 0, 1),
-                           message("/palpa/texture/button", "fff", 0.25, 1, 1), message("/palpa/texture/button", "fff", 1, 0, 0),
+            skin, deep = pressed(finger, 1e-3), pressed(finger, 4e-3)
+            begins(lambda: push(skin) and newest_in(file) == 0.25)  # the button's intensity is 0.5
+            for stiffness, amplitude in ((0.25, 0.125), (1, 0.25)):
+                program.send(message("/palpa/stiffness/button", "ff", 0, stiffness))
+                begins(lambda amplitude=amplitude: push(skin) and newest_in(file) == amplitude)
+            for packet in (message("/palpa/texture/button", "fff", 0.25, 1, 1), message("/palpa/texture/button", "fff", 1, 0, 0),
                            message("/palpa/click/button", "ff", 0.06, 150), message("/palpa/stiffness/button", "ff", 0, 9),
                            message("/palpa/click/knob", "i", 1)):
-                program.settle(packet)
-                push(skin)
-                time.sleep(SETTLED_S)
-            push(pressed(finger, 4e-3))  # it clicks, with all of the gain
-            time.sleep(SETTLED_S)
+                for before, mute in (([packet], 1), ([], 0)):  # which shows that the packet was taken, and is played
+                    program.send(*before, message("/palpa/mute", "i", mute))
+                    begins(lambda mute=mute: push(skin) and (newest_in(file) > 0) != mute)
+            begins(lambda: push(skin) and push(deep) and drives_in(file, so_far=True).max() > 0.45)  # it clicks, with all of the gain
             session.stop()
-            assert json.loads(session.wait().json())["osc"] == {"taken": 5, "refused": 2}
+            assert json.loads(session.wait().json())["osc"] == {"taken": 5 + 10, "refused": 2}
     loudest = drives_in(file).max(axis=1)
     assert 0.45 < loudest.max() <= 0.5 + 1e-6
-    assert {0.25, 0.125} <= set(np.round(loudest, 6))  # the button's intensity is 0.5
 
 
 @needs_liblo
@@ -150,15 +160,15 @@ def test_what_is_refused_changes_nothing_and_is_counted(cube, finger, program):
     session, push = pushed(cube, program)
     with session:
         skin = pressed(finger, 1e-3)
-        push(skin)
+        before = push(skin).fingers[0].depth
         with pytest.warns(palpa.PalpaWarning) as told:
-            program.settle(*refused)
-            assert len(push(skin).fingers) == 1
+            program.send(*refused, message("/palpa/pose/cube", "fff", 0, 1e-3, 0))
+            begins(lambda: push(skin).fingers[0].depth > before + 5e-4)
             session.stop()
-            assert json.loads(session.wait().json())["osc"] == {"taken": 0, "refused": len(refused)}
+            assert json.loads(session.wait().json())["osc"] == {"taken": 1, "refused": len(refused)}
     lines = [str(one.message) for one in told if "--osc" in str(one.message)]
     assert len(lines) == 2 and "/palpa/loud: is unknown; known: /palpa/gain, /palpa/mute, /palpa/pose/NAME" in lines[0]
-    assert f"{len(refused)} of {len(refused)} messages were refused" in lines[1]
+    assert f"{len(refused)} of {len(refused) + 1} messages were refused" in lines[1]
 
 
 @needs_liblo
@@ -174,12 +184,7 @@ def test_a_flood_delays_nothing(cube, finger, program):
                 assert len(push(skin).fingers) == 1
             assert time.perf_counter() - begin < 60
             # The system drops what finds its buffer full.
-            until = time.perf_counter() + 60
-            held = False
-            while not held and time.perf_counter() < until:
-                program.settle(message("/palpa/pose/cube", "fff", 0, -0.01, 0))
-                held = push(skin).fingers == []
-            assert held, "what comes after the flood holds"
+            begins(lambda: program.send(message("/palpa/pose/cube", "fff", 0, -0.01, 0)) or push(skin).fingers == [])
             session.stop()
             session.wait()
 
@@ -200,13 +205,6 @@ def test_where_it_listens(cube, program, tmp_path):
 # ---- the command ----------------------------------------------------------------------------------------------------
 
 
-def begins(condition, limit_s=120):
-    end = time.monotonic() + limit_s
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
 class Command:
     """`palpa run` of a scene, whose touches are in a file of events."""
 
@@ -214,7 +212,9 @@ class Command:
         self.events_file = folder / "events.jsonl"
         line = ["run", "--scene", scene, "--rig", ROOT / "tests/cli/support/small_rig.toml", "--noise-free", "--backend", "cpu",
                 "--events", self.events_file, "--event-move", "0", "--stats", "json", *options]
-        self.process = subprocess.Popen([PALPA, *map(str, line)], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.err_file = folder / "stderr"
+        with self.err_file.open("w", encoding="utf-8") as err:
+            self.process = subprocess.Popen([PALPA, *map(str, line)], cwd=ROOT, stdout=subprocess.PIPE, stderr=err, text=True)
 
     def events(self):
         text = self.events_file.read_text() if self.events_file.exists() else ""
@@ -226,10 +226,14 @@ class Command:
         begins(lambda: any(event["solid"] == solid for event in self.events()[before:]) or self.process.poll() is not None)
         assert self.process.poll() is None
 
+    def says(self, part):
+        begins(lambda: part in self.err_file.read_text(encoding="utf-8"))
+
     def end(self):
         """Its statistics, and its lines on stderr."""
         self.process.send_signal(signal.SIGINT)
-        out, err = self.process.communicate(timeout=60)
+        out, _ = self.process.communicate(timeout=120)
+        err = self.err_file.read_text(encoding="utf-8")
         assert self.process.returncode == 0, err
         return json.loads(out), without_lateness(err).splitlines()
 
@@ -238,16 +242,21 @@ class Command:
 def test_the_command_takes_messages(program, tmp_path):
     file = tmp_path / "drives.bin"
     command = Command(ROOT / "assets/cube.glb", tmp_path, "--osc", program.port, "--layout", "openmpd", "--link", f"record:{file}")
-    command.touches("cube")
-    program.settle(message("/palpa/mute", "i", 1))
-    command.touches("cube")
-    program.settle(b"garbage", message("/palpa/pose/cube", "fff", 0, -1, 0))
+    begins(lambda: newest_in(file) > 0)
+    program.send(b"garbage", message("/palpa/mute", "i", 1))
+
+    def silent_while_it_is_touched():
+        slots = len(drives_in(file, so_far=True))
+        for _ in range(20):
+            command.touches("cube")
+        return not drives_in(file, so_far=True)[slots:].any()
+
+    begins(silent_while_it_is_touched)
+    program.send(message("/palpa/pose/cube", "fff", 0, -1, 0))
     begins(lambda: command.events()[-1]["event"] == "release")
     stats, lines = command.end()
     assert stats["osc"] == {"taken": 2, "refused": 1}
     assert len(lines) == 1 and "a message is refused: a datagram is no OSC message" in lines[0]
-    loud = np.flatnonzero(drives_in(file).max(axis=1))
-    assert 0 < len(loud) and loud[-1] < len(drives_in(file)) - 100
 
 
 def test_a_scene_that_is_saved_is_felt(tmp_path):
@@ -260,7 +269,7 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
     scene.write_bytes(whole.replace(b'"name":"cube"', b'"name":"tube"'))  # in place
     command.touches("tube")
     scene.write_bytes(whole[:400])  # broken
-    time.sleep(1)
+    command.says("the scene before goes on")
     command.touches("tube")
     with scene.open("wb") as file:  # in steps, while which the scene before goes on
         for at in range(0, len(whole), 64):
@@ -277,9 +286,10 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
 
     stats, lines = command.end()
     assert stats["reload"]["taken"] == 3
-    assert 2 <= stats["reload"]["refused"] <= 4  # where the machine stood still, a half written scene may have looked complete
-    assert len(lines) == 2 and "scene.glb" in lines[0] and "the scene before goes on" in lines[0]
-    assert f"{stats['reload']['refused']} times, the scene could not be used" in lines[1]
+    # Where the machine stood still, a half written scene may have looked complete, or nobody has seen that there was none.
+    refused = stats["reload"]["refused"]
+    assert 1 <= refused <= 4 and "scene.glb" in lines[0] and "the scene before goes on" in lines[0]
+    assert len(lines) == (2 if refused > 1 else 1) and (refused == 1 or f"{refused} times, the scene could not be used" in lines[1])
     order = [event["solid"] for event in command.events() if event["event"] == "touch"]
     assert [solid for n, solid in enumerate(order) if n == 0 or order[n - 1] != solid] == ["cube", "tube", "cube", "cupe"]
     held = {}
@@ -309,7 +319,7 @@ def test_a_scene_with_another_slot_is_refused(tmp_path):
     command = Command(scene, tmp_path, "--reload")
     command.touches("cube")
     scene.write_bytes(with_extras(scene.read_bytes(), {"palpa_dwell_s": 1e-3}))
-    time.sleep(1)
+    command.says("start the run again")
     command.touches("cube")
     stats, lines = command.end()
     assert stats["reload"] == {"taken": 0, "refused": 1}

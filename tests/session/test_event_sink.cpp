@@ -211,8 +211,9 @@ TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
   });
   EXPECT_EQ(stalled.code(), Exit::failed);
   EXPECT_CONTAINS(stalled.what(), "nobody reads it");
-  // The loop does this then; now the reader is back.
+  // The loop does this then; now the reader is back, and has read.
   Reading reader(fifo);
+  EXPECT_TRUE(test::begins([&] { return fifo.holds() == 0; }));
   EXPECT_NO_THROW(link->send(100, silent));
   EXPECT_NO_THROW(link->finish());
   const std::string text = reader.end();

@@ -67,7 +67,7 @@ TEST(FrameQueue, PassesEveryFrameFromThreadToThread) {
     for (std::uint64_t i = 0; i < count; ++i) {
       EXPECT_FALSE(queue.add(frame(i, 8)));
       if (i % 100 == 0) {
-        EXPECT_TRUE(queue.wait_empty(10s));
+        EXPECT_TRUE(queue.wait_empty(60s));
       }
     }
     queue.close();

@@ -30,7 +30,7 @@ class Loop {
     signal(SIGINT);
     return wait();
   }
-  int wait() { return run_.wait(5).exit_code; }
+  int wait() { return run_.wait(60).exit_code; }
 
  private:
   static LiveOptions options(const char* command, const Unread& err) {

@@ -15,6 +15,7 @@
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -39,7 +40,7 @@ class PluggedCamera {
   /// Returns when the kernel has created its nodes.
   void plug() {
     port.plug();
-    EXPECT_TRUE(eventually(5, [&] { return !node().empty(); }));
+    EXPECT_TRUE(begins([&] { return !node().empty(); }));
   }
   /// "/dev/videoN", the node of its frames; empty if there is none.
   std::string node() const {
@@ -164,10 +165,10 @@ struct Chain {
         "run", with(run_with(camera.node(), written(rig)), {"--link", "openmpd:EMU1", "--hold", "500ms"}));
   }
   bool sounds() {
-    return eventually(10, [&] { return board.sounds(); });
+    return begins([&] { return board.sounds(); });
   }
   bool falls_silent() {
-    return eventually(5, [&] { return !board.sounds(); }) && !eventually(0.2, [&] { return board.sounds(); });
+    return begins([&] { return !board.sounds(); }) && !eventually(0.2, [&] { return board.sounds(); });
   }
 
   PluggedBoard board{"EMU1"};

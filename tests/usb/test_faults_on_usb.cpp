@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/support/process.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/thrown.hpp"
 #include "usb/loop.hpp"
@@ -24,7 +25,7 @@ const std::vector<std::string> none;
 /// Whether the board continues to play: transducers that it has not played before.
 bool plays_on(PluggedBoard& board) {
   const std::size_t before = board.pins().size();
-  return eventually(8, [&] { return board.pins().size() > before + 2; });
+  return begins([&] { return board.pins().size() > before + 2; });
 }
 
 void expect_one_recovery(const Loop& loop, const std::string& trouble) {
@@ -59,7 +60,7 @@ pid_t guard() {
 TEST(FaultsOnUsb, UnpluggedInTheMiddleOfAFrameAndPluggedInAgain) {
   Sweep sweep;
   sweep.board.gadget.unplug_after = 2 * 512 + 200;
-  ASSERT_TRUE(eventually(2, [&] { return !sweep.board.port.plugged(); }));
+  ASSERT_TRUE(begins([&] { return !sweep.board.port.plugged(); }));
   sweep.board.port.unplug();
   sweep.board.port.plug();
   sweep.expect_recovery("board EMU1: ");
@@ -70,7 +71,7 @@ TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
   Loop loop("link", sweep_of("openmpd:EMU1,EMU2", "openmpd-pair"));
   ASSERT_TRUE(plays_on(left)) << loop.said();
   right.port.unplug();
-  EXPECT_TRUE(eventually(1, [&] { return !left.sounds(); }));
+  EXPECT_TRUE(begins([&] { return !left.sounds(); }));
   EXPECT_FALSE(eventually(0.5, [&] { return left.sounds(); })) << "as long as the other is away";
   right.port.plug();
   EXPECT_TRUE(plays_on(left)) << loop.said();
@@ -90,23 +91,23 @@ TEST(FaultsOnUsb, AStalledEndpointIsClearedAndTheBoardPlaysOn) {
 TEST(FaultsOnUsb, ABoardThatTakesNoBytesForAWhilePlaysOn) {
   Sweep sweep;
   sweep.board.gadget.takes_nothing = true;
-  EXPECT_TRUE(eventually(5, [&] { return !sweep.loop.said().empty(); }));
+  EXPECT_TRUE(begins([&] { return !sweep.loop.said().empty(); }));
   sweep.board.gadget.takes_nothing = false;
   sweep.expect_recovery("board EMU1: it takes no bytes; silent until it is in step again");
 }
 
 TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
   Sweep sweep;
-  ASSERT_TRUE(eventually(1, [&] { return sweep.board.sounds(); }));
+  ASSERT_TRUE(begins([&] { return sweep.board.sounds(); }));
   sweep.loop.signal(SIGKILL);
   sweep.loop.wait();
-  EXPECT_TRUE(eventually(2, [&] { return guard() == 0; })) << "the guard leaves";
+  EXPECT_TRUE(begins([&] { return guard() == 0; })) << "the guard leaves";
   EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }
 
 TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
   Sweep sweep;
-  ASSERT_TRUE(eventually(1, [&] { return sweep.board.sounds(); }));
+  ASSERT_TRUE(begins([&] { return sweep.board.sounds(); }));
   ASSERT_NE(guard(), 0);
   kill(guard(), SIGKILL);
   EXPECT_EQ(sweep.loop.wait(), 1);
@@ -172,7 +173,7 @@ class Module {
 TEST(FaultsOnUsb, ABoardThatTheKernelMadeASerialPortPlaysAndIsGivenBack) {
   const Module serial("usbserial"), ftdi("ftdi_sio");
   PluggedBoard board("EMU1");
-  ASSERT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); }));
+  ASSERT_TRUE(begins([] { return std::filesystem::exists("/dev/ttyUSB0"); }));
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
   EXPECT_CONTAINS(doctor.out, "the kernel uses it as a serial port, which palpa removes");
   Loop loop("link", sweep_of("openmpd:EMU1"));
@@ -180,7 +181,7 @@ TEST(FaultsOnUsb, ABoardThatTheKernelMadeASerialPortPlaysAndIsGivenBack) {
   EXPECT_FALSE(std::filesystem::exists("/dev/ttyUSB0"));
   EXPECT_EQ(loop.end(), 0);
   EXPECT_EQ(loop.said(), "");
-  EXPECT_TRUE(eventually(5, [] { return std::filesystem::exists("/dev/ttyUSB0"); })) << "the kernel has it back";
+  EXPECT_TRUE(begins([] { return std::filesystem::exists("/dev/ttyUSB0"); })) << "the kernel has it back";
   EXPECT_EQ(board.faults_at_the_end(), none);
 }
 

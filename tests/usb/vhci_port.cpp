@@ -17,6 +17,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "support/begins.hpp"
+
 namespace palpa::test {
 namespace {
 
@@ -114,7 +116,7 @@ void VhciPort::plug() {
     }
   }
   const bool known =
-      attached && eventually(5, [&] {
+      attached && begins([&] {
         return !first_line(devices / place_ / "bConfigurationValue").empty() && std::filesystem::exists(device_file());
       });
   if (known) return;
@@ -136,7 +138,7 @@ void VhciPort::unplug() {
   // The port is free before the device has disappeared.
   const std::filesystem::path device = std::filesystem::path("/sys/bus/usb/devices") / place_;
   static_cast<void>(
-      eventually(5, [&] { return state_of(port_) == 4 && (place_.empty() || !std::filesystem::exists(device)); }));
+      begins([&] { return state_of(port_) == 4 && (place_.empty() || !std::filesystem::exists(device)); }));
 }
 
 /// The thread, from plug to unplug.

@@ -18,7 +18,7 @@
 
 namespace palpa::test {
 
-/// Checks repeatedly; false if the time is up first.
+/// Whether it becomes true within that time: for what must not. Wait with begins() for what must.
 bool eventually(double seconds, const std::function<bool()>& condition);
 
 class VhciPort {
@@ -30,7 +30,7 @@ class VhciPort {
   VhciPort& operator=(const VhciPort&) = delete;
 
   /// Plugs in at the next free port; returns when the kernel knows the device. Throws std::runtime_error if it does not
-  /// within a few seconds.
+  /// within the time of begins().
   void plug();
   /// Unplugs the device; returns when the kernel has noticed.
   void unplug();

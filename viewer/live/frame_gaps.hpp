@@ -60,7 +60,9 @@ class PictureSteps {
  public:
   /// Waits, at most `most_s`, for the time to work for `work_s`. Returns how long it waited.
   using LetRun = std::function<double(double work_s, double most_s)>;
-  explicit PictureSteps(LetRun let_run) : let_run_(std::move(let_run)) {}
+  /// The clock must outlive this object.
+  explicit PictureSteps(LetRun let_run, const session::Clock& clock = session::real_clock())
+      : let_run_(std::move(let_run)), clock_(clock) {}
 
   /// Another picture: it waits for no more than most_s altogether.
   void begin();
@@ -74,7 +76,7 @@ class PictureSteps {
   void ends();
 
   LetRun let_run_;
-  session::Clock clock_;
+  const session::Clock& clock_;
   std::vector<double> take_s_;  ///< means
   std::size_t next_ = 0;
   double begun_s_ = 0, waited_s_ = 0;

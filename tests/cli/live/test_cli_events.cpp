@@ -1,38 +1,26 @@
 // `palpa run --events` and --hold: a recording of a few pixels, whose touches can be worked out by hand.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <sstream>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <thread>
+#include <sstream>
 
+#include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "session/links/record_link.hpp"
-#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
-#include "support/side_by_side.hpp"
-
-extern char** environ;
 
 namespace palpa::test {
 namespace {
 
 using nlohmann::json;
-using namespace std::chrono_literals;
 
 constexpr double near_m = 0.3;  // the button's front face, seen from the camera at the origin
 constexpr double focal = 300;   // a pixel is a millimetre there
@@ -155,54 +143,38 @@ void expect_wanted(const std::string& text) {
 }
 
 struct Stage {
-  std::filesystem::path folder;
-  std::string scene, source;
-  explicit Stage(const std::string& name, const std::string& extras = R"({"press_depth_m":0.003})")
-      : folder(scratch_folder(name)),
-        scene(button(folder, extras).string()),
-        source("recording:" + take(folder).string()) {}
-  std::vector<std::string> run(std::vector<std::string> more) const {
-    std::vector<std::string> words{"run", "--scene", scene, "--source", source, "--every-frame"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+  std::filesystem::path folder = scratch_folder("events");
+  std::string scene = button(folder, R"({"press_depth_m":0.003})").string();
+  std::string source = "recording:" + take(folder).string();
+
+  std::vector<std::string> run(const std::vector<std::string>& more) const {
+    return with({"run", "--scene", scene, "--source", source, "--every-frame"}, more);
   }
 };
 
 TEST(CliEvents, ARecordingGivesTheEventsThatWereWorkedOut) {
-  const Stage stage("events-golden");
-  const auto gives_them = [&](const char* backend) {
-    const Result result = palpa(stage.run({"--backend", backend, "--events", "-"}));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.err, "");
-    expect_wanted(result.out);
-    EXPECT_EQ(palpa(stage.run({"--backend", backend, "--events", "-"})).out, result.out) << "the same on every run";
-  };
-  side_by_side(2, std::vector{"gpu", "cpu"}, gives_them);
-}
-
-TEST(CliEvents, GoIntoAFileBesideTheOtherResults) {
-  const Stage stage("events-file");
+  const Stage stage;
+  const Result gpu = palpa_here(stage.run({"--backend", "gpu", "--events", "-"}));
+  ASSERT_EQ(gpu.exit_code, 0) << gpu.err;
+  EXPECT_EQ(gpu.err, "");
+  expect_wanted(gpu.out);
   const auto file = stage.folder / "events.jsonl";
-  const Result result = palpa(stage.run({"--backend", "cpu", "--events", file.string(), "--stats", "json"}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result cpu = palpa_here(stage.run({"--backend", "cpu", "--events", file.string(), "--stats", "json"}));
+  ASSERT_EQ(cpu.exit_code, 0) << cpu.err;
   expect_wanted(read_text(file));
-  EXPECT_EQ(json::parse(result.out)["events"], (json{{"written", 8}, {"dropped", 0}}));
-  expect_failure(palpa(stage.run({"--events", "-", "--json", "-"})), 2, "would mix on stdout");
-  expect_failure(palpa(stage.run({"--events", "-", "--stats", "json"})), 2, "would mix on stdout");
-  expect_failure(palpa(stage.run({"--events", "udp:localhost"})), 2, "udp:HOST:PORT");
-  expect_failure(palpa(stage.run({"--events", "/no/such/folder/x"})), 1, "/no/such/folder/x");
-}
+  EXPECT_EQ(json::parse(cpu.out)["events"], (json{{"written", 8}, {"dropped", 0}}));
+  expect_failure(palpa_here(stage.run({"--events", "-", "--json", "-"})), 2, "would mix on stdout");
+  expect_failure(palpa_here(stage.run({"--events", "-", "--stats", "json"})), 2, "would mix on stdout");
 
-TEST(CliEvents, MovesAreAsFineAsAsked) {
-  const Stage stage("events-fine");
-  const Result every = palpa(stage.run({"--backend", "cpu", "--events", "-", "--event-move", "0"}));
-  // Touching frames after the first: 2, 3, 4, 6 and 7.
-  std::size_t moves = 0;
-  for (std::size_t at = 0; (at = every.out.find("\"move\"", at)) != std::string::npos; ++at)
-    ++moves;
-  EXPECT_EQ(moves, 5U);
-  const Result coarse = palpa(stage.run({"--backend", "cpu", "--events", "-", "--event-move", "10mm"}));
-  EXPECT_EQ(coarse.out.find("\"move\""), std::string::npos);
+  const auto moves = [&](const char* least) {
+    const std::string out = palpa_here(stage.run({"--backend", "cpu", "--events", "-", "--event-move", least})).out;
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = out.find("\"move\"", at)) != std::string::npos; ++at)
+      ++count;
+    return count;
+  };
+  EXPECT_EQ(moves("0"), 5U) << "in touching frames after the first: 2, 3, 4, 6 and 7";
+  EXPECT_EQ(moves("10mm"), 0U);
 }
 
 TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
@@ -213,7 +185,7 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   const auto sounding = [&](const std::string& hold) {
     const std::string drives = (folder / ("drives" + hold)).string();
     const Result result =
-        palpa({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(), "--backend", "cpu",
+        palpa_here({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(), "--backend", "cpu",
                "--layout", "sonicsurface", "--every-frame", "--hold", hold, "--link", "record:" + drives, "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<std::uint64_t> slots;
@@ -225,99 +197,17 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   };
   // A slow machine may be late with the first drive, never with the last one.
   EXPECT_LE(sounding("30ms"), 0.030 + 2 * 1.5e-3);
-  const double longer = sounding("700ms");
-  EXPECT_LE(longer, 0.7 + 2 * 1.5e-3);
+  const double longer = sounding("2s");
+  EXPECT_LE(longer, 2 + 2 * 1.5e-3);
   EXPECT_GT(longer, 0.3);
 }
 
 TEST(CliEvents, AClosedPipeIsAnError) {
-  const Stage stage("events-closed");
   RunOptions closed;
   closed.close_stdout_reader = true;
-  const Result result = palpa(stage.run({"--backend", "cpu", "--events", "-"}), closed);
+  const Result result = palpa(Stage().run({"--backend", "cpu", "--events", "-"}), closed);
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(result.err, "palpa: error: stdout: cannot be written: Broken pipe\n");
-}
-
-/// palpa in the background.
-struct Child {
-  pid_t pid = 0;
-  explicit Child(std::vector<std::string> words) {
-    words.insert(words.begin(), palpa_binary());
-    std::vector<char*> argv;
-    for (std::string& word : words)
-      argv.push_back(word.data());
-    argv.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid, argv[0], nullptr, nullptr, argv.data(), environ), 0);
-  }
-  /// The exit code; minus the signal where one ended it, -1000 where it had to be killed.
-  int wait(std::chrono::milliseconds patience) {
-    int status = 0;
-    const auto deadline = std::chrono::steady_clock::now() + patience;
-    while (waitpid(pid, &status, WNOHANG) == 0) {
-      if (std::chrono::steady_clock::now() > deadline) {
-        kill(pid, SIGKILL);
-        waitpid(pid, &status, 0);
-        return -1000;
-      }
-      std::this_thread::sleep_for(5ms);
-    }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-};
-
-/// Opens a FIFO as its reader and waits until something is in it; what comes later is left there.
-int open_and_wait(const std::filesystem::path& fifo) {
-  const int reader = open(fifo.c_str(), O_RDONLY);
-  char first = 0;
-  EXPECT_EQ(read(reader, &first, 1), 1);
-  return reader;
-}
-
-TEST(CliEvents, AFifoThatNobodyReadsHoldsNothingUp) {
-  const auto folder = scratch_folder("events-fifo");
-  const auto events = folder / "events";
-  ASSERT_EQ(mkfifo(events.c_str(), 0600), 0);
-  // Every frame is a move of a hundred bytes; live, so that nothing may wait.
-  const auto drives = folder / "drives";
-  Child child(with({"run", "--scene", source_file("assets/cube.glb").string(), "--quiet", "--events", events.string(),
-                    "--event-move", "0", "--layout", "openmpd", "--link", "record:" + drives.string()},
-                   small_frames()));
-  const int reader = open_and_wait(events);
-  EXPECT_EQ(fcntl(reader, F_SETPIPE_SZ, 4096), 4096);  // full at once
-  // A loop that waited would be silent after its hold of 0.1 s.
-  constexpr std::streamoff head_bytes = 24, slot_bytes = 8 + 256 * 8;  // session/links/record_link.hpp
-  const auto slots = [&] {
-    return (static_cast<std::streamoff>(std::filesystem::file_size(drives)) - head_bytes) / slot_bytes;
-  };
-  const std::streamoff much_later = slots() + 400;
-  const auto sounds = [&] {
-    const std::streamoff newest = slots() - 1;
-    if (newest < much_later) return false;
-    std::array<float, 512> drive{};
-    std::ifstream file(drives, std::ios::binary);
-    file.seekg(head_bytes + newest * slot_bytes + 8);
-    file.read(reinterpret_cast<char*>(drive.data()), sizeof drive);
-    return std::any_of(drive.begin(), drive.end(), [](float value) { return value != 0; });
-  };
-  EXPECT_TRUE(begins(sounds)) << "a reader that does not read events holds the fingers up";
-  kill(child.pid, SIGINT);
-  // 1 where the second that it has after a signal was too short, as on a machine that is busy.
-  const int code = child.wait(60s);
-  EXPECT_TRUE(code == 0 || code == 1) << code;
-  close(reader);
-}
-
-TEST(CliEvents, ALinkIntoAFifoThatNobodyReadsEndsTheRunInItsTime) {
-  const auto folder = scratch_folder("link-fifo");
-  const auto drives = folder / "drives";
-  ASSERT_EQ(mkfifo(drives.c_str(), 0600), 0);
-  Child child(with({"run", "--scene", source_file("assets/cube.glb").string(), "--quiet", "--link",
-                    "record:" + drives.string(), "--log-level", "quiet"},
-                   small_frames()));
-  const int reader = open_and_wait(drives);
-  EXPECT_EQ(child.wait(30s), 1) << "64 kB are two drives: the link gives up after a second";
-  close(reader);
 }
 
 }  // namespace

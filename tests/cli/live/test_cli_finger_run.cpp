@@ -1,10 +1,10 @@
 // palpa run --transfer finger: foci on the fingers that touch.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
+#include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
@@ -30,8 +30,8 @@ std::string finger_file(double raised, int divisions) {
 // docs/solvers.md, "On fingers that move".
 TEST(CliFingerRun, ComputesFociOnTheFingersThatTouch) {
   const std::string cube = source_file("assets/cube.glb").string();
-  const Result result = palpa({"run", "--scene", cube, "--layout", "openmpd", "--backend", "cpu", "--frames", "270",
-                               "--transfer", "finger", "--stats", "json"});
+  const Result result = palpa_here({"run", "--scene", cube, "--layout", "openmpd", "--backend", "cpu", "--frames",
+                                    "270", "--transfer", "finger", "--stats", "json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const json transfer = json::parse(result.out)["transfer"];
   EXPECT_GE(transfer["touching"], 1);
@@ -42,13 +42,9 @@ TEST(CliFingerRun, ComputesFociOnTheFingersThatTouch) {
     EXPECT_GE(transfer["gain"]["least"], 0.95);
     EXPECT_LE(transfer["gain"]["median"], 3.0);
   }
-  const std::vector<std::string> run{"run", "--scene", cube, "--frames", "1", "--transfer", "finger"};
-  const auto refused = [&](std::vector<std::string> more, int code, const std::string& says) {
-    more.insert(more.begin(), run.begin(), run.end());
-    const Result wrong = palpa(more);
-    EXPECT_EQ(wrong.exit_code, code) << wrong.err;
-    EXPECT_NE(wrong.err.find(says), std::string::npos) << wrong.err;
-    EXPECT_EQ(std::ranges::count(wrong.err, '\n'), 1) << wrong.err;
+  const auto refused = [&](const std::vector<std::string>& more, int code, const char* says) {
+    expect_failure(palpa_here(with({"run", "--scene", cube, "--frames", "1", "--transfer", "finger"}, more)), code,
+                   says);
   };
   refused({"--predict", "auto"}, 2, "they are not predicted");
   refused({"--predict-latency", "20ms"}, 2, "they are not predicted");

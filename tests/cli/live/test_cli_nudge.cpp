@@ -2,26 +2,24 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "cli/keys.hpp"
+#include "cli/support/heard_drives.hpp"
+#include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/links/record_link.hpp"
 #include "support/files.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -99,36 +97,13 @@ class Nudge : public testing::Test {
     return {"calibrate",        "--nudge", "--backend",         "cpu",    "--rig", file("rig.toml"), "--source",
             recording("still"), "--out",   file("nudged.toml"), "--keys", keys};
   }
-  /// The last drive of a recorded run that sounds.
-  array::Drive last_sound(const std::string& name) const {
-    const session::DriveRecording recording = session::read_drive_recording(file(name));
-    const auto sounds = [](const session::RecordedDrive& d) {
-      return std::any_of(d.drive.begin(), d.drive.end(), [](const auto& t) { return t.amplitude > 0; });
-    };
-    const auto last = std::find_if(recording.drives.rbegin(), recording.drives.rend(), sounds);
-    EXPECT_FALSE(sounds(recording.drives.back())) << "it must end in silence";
-    return last == recording.drives.rend() ? array::Drive() : last->drive;
-  }
-  /// How far the phases are from those of a focus there, at most, radians.
-  static double off(const array::Drive& drive, const Transform& T_world_layout, const Vec3& focus) {
-    const array::Layout layout = transformed(array::load_layout("openmpd"), T_world_layout);
-    const array::SlotFocus slot{focus};
-    const array::Drive expected = array::drive_for(layout, std::span(&slot, 1));
-    if (drive.size() != expected.size()) return 1e9;
-    double most = 0;
-    for (std::size_t i = 0; i < drive.size(); ++i)
-      most = std::max(most, std::abs(std::remainder(static_cast<double>(drive[i].phase) - expected[i].phase,
-                                                    2 * std::numbers::pi)));
-    return most;
-  }
-
   std::filesystem::path folder_ = scratch_folder("nudge");
   sensing::Rig rig_;
 };
 
 TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   const Result result =
-      palpa(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
+      palpa_here(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
                  {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json"), "--hold", "10s"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Vec3 offset(0.0029, 0.0, -0.0012);
@@ -140,7 +115,7 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   // Where the fingertip is seen.
   const std::vector<std::string> same{"--backend", "cpu",          "--scene",  where_assets_are().second + "/cube.glb",
                                       "--method",  "single-focus", "--source", recording("still")};
-  const Result exported = palpa(with({"export", "--foci", file("foci.json")}, same));
+  const Result exported = palpa_here(with({"export", "--foci", file("foci.json")}, same));
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   const json frames = json::parse(read_text(file("foci.json")))["frames"];
   const auto touching = [](const json& frame) { return !frame["fingers"].empty(); };
@@ -149,26 +124,26 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   const json at = (*last)["fingers"][0]["foci_m"][0];
   const Vec3 seen(at[0], at[1], at[2]);
   const Transform T_world_layout = *rig_.array->T_world_layout;
-  EXPECT_LT(off(last_sound("nudge.bin"), T_world_layout, seen + offset), 2e-3);
-  EXPECT_GT(off(last_sound("nudge.bin"), T_world_layout, seen), 0.3);
+  EXPECT_LT(phases_off(last_sound(file("nudge.bin")), T_world_layout, seen + offset), 2e-3);
+  EXPECT_GT(phases_off(last_sound(file("nudge.bin")), T_world_layout, seen), 0.3);
 
   // The board now stands as much the other way, and a run sounds what was felt.
   const sensing::Rig nudged = sensing::load_rig(file("nudged.toml"));
   EXPECT_LT(glm::length(Vec3((*nudged.array->T_world_layout)[3]) - (Vec3(T_world_layout[3]) - offset)), 1e-12);
   EXPECT_EQ(nudged.cameras.size(), rig_.cameras.size());
-  const Result run = palpa(with(
+  const Result run = palpa_here(with(
       {"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin"), "--hold", "1s"},
       same));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_LT(off(last_sound("run.bin"), T_world_layout, seen + offset), 2e-3);
+  EXPECT_LT(phases_off(last_sound(file("run.bin")), T_world_layout, seen + offset), 2e-3);
 }
 
 TEST_F(Nudge, NothingIsSavedWithoutEnter) {
-  const Result left = palpa(nudge("right q"));
+  const Result left = palpa_here(nudge("right q"));
   EXPECT_EQ(left.exit_code, 0) << left.err;
   EXPECT_NE(left.out.find("nothing is saved"), std::string::npos);
-  expect_failure(palpa(nudge("right*2")), 1, "before Enter");
-  expect_failure(palpa(nudge("wait*1000")), 1, "before Enter");  // the recording ends first
+  expect_failure(palpa_here(nudge("right*2")), 1, "before Enter");
+  expect_failure(palpa_here(nudge("wait*1000")), 1, "before Enter");  // the recording ends first
   EXPECT_FALSE(std::filesystem::exists(file("nudged.toml")));
 }
 
@@ -176,9 +151,9 @@ TEST_F(Nudge, RefusesWhatCannotBeMeant) {
   std::vector<std::string> line = nudge("right");
   line.resize(line.size() - 2);
   expect_failure(palpa(line), 2, "stdin is not a terminal");
-  expect_failure(palpa(nudge("rigth")), 2, "unknown key 'rigth'");
-  expect_failure(palpa({"calibrate", "--nudge", "--keys", "enter"}), 2, "--out is missing");
-  expect_failure(palpa(with(nudge("enter"), {"--at", "0,0,0"})), 2, "--at");
+  expect_failure(palpa_here(nudge("rigth")), 2, "unknown key 'rigth'");
+  expect_failure(palpa_here({"calibrate", "--nudge", "--keys", "enter"}), 2, "--out is missing");
+  expect_failure(palpa_here(with(nudge("enter"), {"--at", "0,0,0"})), 2, "--at");
 }
 
 /// A shell that runs it on a terminal, and then says how the terminal is.

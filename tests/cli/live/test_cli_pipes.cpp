@@ -95,7 +95,7 @@ TEST_F(CliPipes, OfResultsAreWaitedForAndThatIsSaid) {
   for (const Waiting& one : all) {
     SCOPED_TRACE(one.name);
     one.run->signal(SIGINT);
-    const LiveRun::End end = one.run->wait(10);
+    const LiveRun::End end = one.run->wait(60);
     EXPECT_TRUE(end.ended);
     EXPECT_TRUE(end.by_signal == SIGINT || end.exit_code == 1) << end.by_signal << ' ' << end.exit_code;
     EXPECT_EQ(read_text(one.said).find(waits_), read_text(one.said).rfind(waits_)) << "it is reported once";
@@ -108,7 +108,7 @@ TEST_F(CliPipes, OfResultsGoOnWithTheirReader) {
       begin("drive", {"--layout", path("layout.toml"), "--focus", "0,0,0.1", "--backend", "cpu", "--csv", fifo});
   EXPECT_TRUE(says(drive, waits_));
   EXPECT_TRUE(read_text(fifo).starts_with("index,x,y,z,"));
-  const LiveRun::End end = drive.run->wait(20);
+  const LiveRun::End end = drive.run->wait(60);
   EXPECT_EQ(end.exit_code, 0) << read_text(drive.said);
 }
 

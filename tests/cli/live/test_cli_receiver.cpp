@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,13 +20,14 @@
 #include <thread>
 #include <vector>
 
+#include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
+#include "support/begins.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
-
-extern char** environ;
+#include "support/udp_sender.hpp"
 
 namespace palpa::test {
 namespace {
@@ -43,67 +42,33 @@ bool without_python() {
   return std::system("python3 -c pass >/dev/null 2>&1") != 0;
 }
 
-/// Sends datagrams to a port that was free when it was made, and that the system gives to nobody who asks for any port:
-/// otherwise another program might have it before the receiver.
-class Sender {
- public:
-  Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    constexpr int first = 10000, ports = 20000;  // below the range of such ports
-    static std::atomic<int> tried{0};
-    address_.sin_family = AF_INET;
-    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const int other = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    do {
-      address_.sin_port = htons(static_cast<std::uint16_t>(first + (37 * getpid() + tried++) % ports));
-    } while (bind(other, reinterpret_cast<sockaddr*>(&address_), sizeof(address_)) != 0 && tried < ports);
-    close(other);
-  }
-  ~Sender() { close(socket_); }
-  Sender(const Sender&) = delete;
-  Sender& operator=(const Sender&) = delete;
-
-  int port() const { return ntohs(address_.sin_port); }
-  void send(const std::string& datagram) const {
-    EXPECT_EQ(sendto(socket_, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&address_),
-                     sizeof(address_)),
-              static_cast<ssize_t>(datagram.size()));
-  }
-
- private:
-  int socket_;
-  sockaddr_in address_{};
-};
-
-/// A program in the background; killed, should it still run.
-class Child {
- public:
-  Child(const std::string& program, std::vector<std::string> words) {
-    std::vector<char*> argv;
-    words.insert(words.begin(), program);
-    for (std::string& word : words)
-      argv.push_back(word.data());
-    argv.push_back(nullptr);
-    EXPECT_EQ(posix_spawn(&pid_, program.c_str(), nullptr, nullptr, argv.data(), environ), 0);
-  }
-  ~Child() {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  void signal(int number) const { kill(pid_, number); }
-
- private:
-  pid_t pid_ = 0;
-};
+/// A port that was free a moment ago, and that the system gives to nobody who asks for any port: otherwise another
+/// program might have it before the receiver.
+std::uint16_t own_port() {
+  constexpr int first = 10000, ports = 20000;  // below the range of such ports
+  static std::atomic<int> tried{0};
+  const int other = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  do {
+    address.sin_port = htons(static_cast<std::uint16_t>(first + (37 * getpid() + tried++) % ports));
+  } while (bind(other, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 && tried < ports);
+  close(other);
+  return ntohs(address.sin_port);
+}
 
 /// The example of docs/files.md, as it stands there. What it prints goes into a file.
 class PythonReceiver {
  public:
-  PythonReceiver(int port, std::filesystem::path out, const std::string& seconds = "60")
-      : out_(std::move(out)),
-        child_("/bin/sh", {"-c", "exec python3 '" + source_file("docs/examples/receive_foci.py").string() + "' " +
-                                     std::to_string(port) + " " + seconds + " >'" + out_.string() + "' 2>&1"}) {}
+  const std::uint16_t port = own_port();
+  const UdpSender sender{port};
+
+  explicit PythonReceiver(const std::string& name, const std::string& seconds = "60")
+      : out_(scratch_folder("receiver-" + name) / "out"),
+        run_({"-c", "exec python3 '" + source_file("docs/examples/receive_foci.py").string() + "' " +
+                        std::to_string(port) + " " + seconds + " >'" + out_.string() + "' 2>&1"},
+             {.program = "/bin/sh"}) {}
 
   std::vector<std::string> lines() const {
     std::ifstream in(out_);
@@ -114,36 +79,33 @@ class PythonReceiver {
   }
   /// Waits until the last line of at least `least` ends like that.
   bool says(const std::string& last, std::size_t least = 1) const {
-    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
+    return begins([&] {
       const std::vector<std::string> all = lines();
-      if (all.size() >= least && all.back().ends_with(last)) return true;
-    }
-    return false;
+      return all.size() >= least && all.back().ends_with(last);
+    });
   }
   /// Waits for a line that holds this.
   bool has_said(const std::string& part) const {
-    for (int i = 0; i < 1000; ++i, std::this_thread::sleep_for(10ms)) {
-      for (const std::string& line : lines()) {
-        if (line.find(part) != std::string::npos) return true;
-      }
-    }
-    return false;
+    return begins([&] {
+      return std::ranges::any_of(lines(), [&](const std::string& line) { return line.find(part) != line.npos; });
+    });
   }
+  /// As palpa's link.
+  std::string link() const { return "foci:udp:127.0.0.1:" + std::to_string(port); }
 
  private:
   std::filesystem::path out_;
-  Child child_;
+  LiveRun run_;
 };
 
 TEST(Receiver, PlaysWhatItIsTold) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  const Sender sender;
-  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
+  const PythonReceiver receiver("plays");
   ASSERT_TRUE(receiver.says("listening"));
 
-  const Result result = palpa(with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--link",
-                                    "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
-                                   small_frames()));
+  const Result result = palpa(
+      with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--hold", "1s", "--link", receiver.link()},
+           small_frames()));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   ASSERT_TRUE(receiver.says(": silent", 10));
   const std::size_t before = receiver.lines().size();
@@ -156,7 +118,7 @@ TEST(Receiver, PlaysWhatItIsTold) {
       R"([0, 0, 0]], "order": [0, 2, 1], "dwell_s": 0.001, "modulation_hz": 0, "gain": 0.25}, {"id": 3, "solid":)"
       R"("still", "foci_m": [[0, 0, 0]], "order": [0], "dwell_s": 0.0015, "modulation_hz": 70,)"
       R"("modulation": "pressure-sine", "gain": 0.75}]})";
-  sender.send(line);
+  receiver.sender.send(line);
   ASSERT_TRUE(receiver.says(": silent", before + 4)) << "it plays on though nobody tells it to";
   const std::vector<std::string> all = receiver.lines();
   long long first_ns = 0, last_ns = 0;
@@ -185,22 +147,26 @@ TEST(Receiver, PlaysWhatItIsTold) {
   EXPECT_LE(last_ns - first_ns, 100'000'000);
 }
 
+/// A line of one finger on a solid of that name.
+std::string line_of(const std::string& solid) {
+  return R"({"time_s": 1, "fingers": [{"id": 1, "solid": ")" + solid +
+         R"(", "foci_m": [[0.001, -0.0123, 0.0345]], "order": [0],)"
+         R"("dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]})";
+}
+
 TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  const Sender sender;
-  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out", "0.8");
+  const PythonReceiver receiver("strays", "0.8");
   ASSERT_TRUE(receiver.says("listening"));
-  const std::string line =
-      R"({"time_s": 1, "fingers": [{"id": 1, "solid": "cube", "foci_m": [[0, 0, 0]], "order": [0],)"
-      R"("dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]})";
+  const std::string line = line_of(R"(W\u00fcrfel\u00a0\u001b[2J)");  // a model's names are its author's business
   const auto with = [&](const std::string& what, const std::string& other) {
     std::string changed = line;
     return changed.replace(changed.find(what), what.size(), other);
   };
-  sender.send("before the first line nothing ends it");
+  receiver.sender.send("before the first line nothing ends it");
   std::this_thread::sleep_for(950ms);
-  sender.send(line);
-  ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
+  receiver.sender.send(line);
+  ASSERT_TRUE(receiver.has_said(R"(on W\xfcrfel\xa0\x1b[2J: amplitude 1.000)")) << receiver.lines().back();
   const std::vector<std::string> strays{"hello",
                                         "",
                                         "{}",
@@ -220,13 +186,13 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
                                         with("0.0015", "0"),
                                         with("0.0015", "1e400"),
                                         with("0.0015", "NaN"),
-                                        with("[[0, 0, 0]]", "[[0, 0]]"),
+                                        with("[[0.001, -0.0123, 0.0345]]", "[[0, 0]]"),
                                         with(R"("gain": 1)", R"("gain": 2)"),
                                         with(R"("modulation_hz": 0)", R"("modulation_hz": 200)"),
                                         with(R"("id": 1,)", "")};
-  // For longer than the hold: none of them may prolong what sounds.
+  // None of them may prolong what sounds.
   for (const std::string& stray : strays) {
-    sender.send(stray);
+    receiver.sender.send(stray);
     std::this_thread::sleep_for(10ms);
   }
   EXPECT_TRUE(receiver.says(": silent", 3)) << receiver.lines().back();
@@ -235,28 +201,12 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
       << receiver.lines().back();
 }
 
-/// A line of one finger on a solid of that name.
-std::string line_of(const std::string& solid) {
-  return R"({"time_s": 1, "fingers": [{"id": 1, "solid": ")" + solid +
-         R"(", "foci_m": [[0.001, -0.0123, 0.0345]], "order": [0],)"
-         R"("dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]})";
-}
-
-TEST(Receiver, PlaysSolidsOfAnyName) {
-  if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  const Sender sender;
-  const PythonReceiver receiver(sender.port(), scratch_folder("receiver") / "out");
-  ASSERT_TRUE(receiver.says("listening"));
-  sender.send(line_of(R"(W\u00fcrfel\u00a0\u001b[2J)"));  // a model's names are its author's business
-  ASSERT_TRUE(receiver.has_said(R"(on W\xfcrfel\xa0\x1b[2J: amplitude 1.000)")) << receiver.lines().back();
-  ASSERT_TRUE(receiver.says(": silent", 3));
-}
-
 TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
   PALPA_TERMINAL_OR_SKIP();
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  const Sender sender;
-  Terminal terminal("python3", {source_file("docs/examples/receive_foci.py").string(), std::to_string(sender.port())});
+  const std::uint16_t port = own_port();
+  const UdpSender sender(port);
+  Terminal terminal("python3", {source_file("docs/examples/receive_foci.py").string(), std::to_string(port)});
   ASSERT_TRUE(terminal.shows("listening"));
   sender.send("hello");
   sender.send(line_of("a solid whose name is no shorter than half of the terminal's width"));
@@ -278,20 +228,16 @@ TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
 
 TEST(Receiver, GoesSilentWhenPalpaCrashes) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  const std::filesystem::path folder = scratch_folder("receiver");
-  const auto falls_silent = [&](int crash) {
-    const Sender sender;
-    const PythonReceiver receiver(sender.port(), folder / std::to_string(crash));
+  const auto falls_silent = [](int crash) {
+    const PythonReceiver receiver(std::to_string(crash));
     ASSERT_TRUE(receiver.says("listening"));
-    const Child run(palpa_binary(), with({"run", "--scene", cube(), "--backend", "cpu", "--quiet", "--link",
-                                          "foci:udp:127.0.0.1:" + std::to_string(sender.port())},
-                                         small_frames()));
+    const LiveRun run(
+        with({"--scene", cube(), "--backend", "cpu", "--quiet", "--link", receiver.link()}, small_frames()));
     ASSERT_TRUE(receiver.has_said("on cube: amplitude 1.000"));
     run.signal(crash);
     EXPECT_TRUE(receiver.says(": silent", 3)) << "signal " << crash;
   };
-  side_by_side(3, std::vector{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGKILL, SIGSTOP},
-               falls_silent);
+  side_by_side(3, std::vector{SIGSEGV, SIGKILL, SIGSTOP}, falls_silent);  // the receiver sees no difference to others
 }
 
 }  // namespace

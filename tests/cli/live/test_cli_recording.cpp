@@ -50,7 +50,7 @@ class CliRecording : public testing::Test {
 };
 
 TEST_F(CliRecording, HasEveryFrameOfALiveRun) {
-  const Result result = palpa(run({"--frames", "90", "--record", path("take")}));
+  const Result result = palpa_here(run({"--frames", "90", "--record", path("take")}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err.find(path("take")), std::string::npos) << result.err;
   EXPECT_TRUE(result.out.starts_with(path("take") + ": all 90 frames are recorded\n")) << result.out;
@@ -83,6 +83,11 @@ TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
   const auto before = contents();
   expect_failure(palpa_here(run({"--frames", "1", "--record", path("take"), "--overwrite", "--link", "nobody"})), 2,
                  "nobody");
+  fs::create_directory(path("empty"));
+  for (const char* name : {"never", "empty"})
+    expect_failure(palpa_here(run({"--record", path(name), "--link", "foci:udp:nowhere"})), 2,
+                   "link foci takes udp:HOST:PORT");
+  fs::remove(path("empty"));  // which must be empty
   EXPECT_TRUE(contents() == before);
 }
 

@@ -73,13 +73,5 @@ TEST(CliRunLine, IsShownOnATerminalUntilCtrlC) {
   EXPECT_LT(text.rfind("Ctrl-C stops"), text.rfind("\r\x1b[K"));
 }
 
-TEST(CliRunLine, IsNotShownElsewhere) {
-  const std::string cube = source_file("assets/cube.glb");
-  const auto line = with({"run", "--scene", cube, "--backend", "cpu", "--frames", "100"}, small_frames());
-  const Result result = palpa(line);
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ((result.out + result.err).find("Ctrl-C"), std::string::npos) << result.err;
-}
-
 }  // namespace
 }  // namespace palpa::test

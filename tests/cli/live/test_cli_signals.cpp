@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,6 +18,7 @@
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
 #include "driver/openmpd/emulation.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
@@ -30,17 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// The second that palpa promises, and as much for the system on a busy machine.
+/// The second that palpa promises, and as much again for the system; more in instrumented builds.
 constexpr double most_s = instrumented() ? 6 : 2;
-
-bool becomes(const std::function<bool()>& so, std::chrono::milliseconds within = 10s) {
-  const auto end = std::chrono::steady_clock::now() + within;
-  while (!so()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(20ms);
-  }
-  return true;
-}
 
 /// An emulated board, and loops that play to it.
 class Stage {
@@ -75,8 +66,8 @@ class Stage {
   }
   /// After a loop has ended: its guard goes, and the last frame that the board got is silence.
   void expect_silent_and_alone() const {
-    EXPECT_TRUE(becomes([&] { return guards().empty(); }, 2s)) << "its guard is left";
-    EXPECT_TRUE(becomes([&] { return heard().ends_silent(); }, 1s)) << "the board sounds";
+    EXPECT_TRUE(begins([&] { return guards().empty(); })) << "its guard is left";
+    EXPECT_TRUE(begins([&] { return heard().ends_silent(); })) << "the board sounds";
     // On a busy machine, the board reads the last bytes a moment after the guard that wrote them has ended. Whatever it
     // reads then must be silence, and must come to an end.
     const Heard before = heard();
@@ -85,7 +76,7 @@ class Stage {
       std::this_thread::sleep_for(150ms);  // longer than a guard waits for a drive
       return heard().bytes == bytes;
     };
-    EXPECT_TRUE(becomes(nothing_comes, 2s)) << "something still comes";
+    EXPECT_TRUE(begins(nothing_comes)) << "something still comes";
     const Heard after = heard();
     EXPECT_TRUE(after.ends_silent()) << "the board sounds";
     EXPECT_EQ(after.last_sounding, before.last_sounding) << "a sounding frame came late";
@@ -106,7 +97,7 @@ class Stage {
 
 /// Waits until a loop's board sounds that had heard this before.
 testing::AssertionResult sounds_on(const Stage& stage, const Heard& before = {}) {
-  if (becomes([&] { return stage.heard().last_sounding > before.frames; }, 30s)) return testing::AssertionSuccess();
+  if (begins([&] { return stage.heard().last_sounding > before.frames; })) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "nothing sounds";
 }
 
@@ -117,11 +108,10 @@ TEST(CliSignals, TheLastBytesOnTheWireAreSilenceWhicheverEndsTheLoop) {
     LiveRun loop = stage.loop();
     ASSERT_TRUE(sounds_on(stage));
     loop.signal(signal);
-    const LiveRun::End end = loop.wait(10);
+    const LiveRun::End end = loop.wait(60);
     ASSERT_TRUE(end.ended);
     EXPECT_EQ(end.by_signal, 0) << "it ends by itself";
     EXPECT_LT(end.after_s, most_s);
-    EXPECT_TRUE(stage.heard().ends_silent()) << "when it has ended, the silence has left";
     stage.expect_silent_and_alone();
   };
   side_by_side(4, std::vector{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXFSZ, SIGPIPE, SIGTSTP, SIGXCPU}, ends);
@@ -135,7 +125,7 @@ TEST(CliSignals, DuringTheStartLeaveNothingThatSounds) {
       LiveRun loop = stage.loop();
       std::this_thread::sleep_for(after);
       loop.signal(signal);
-      const LiveRun::End end = loop.wait(10);
+      const LiveRun::End end = loop.wait(60);
       ASSERT_TRUE(end.ended) << strsignal(signal);
       EXPECT_LT(end.after_s, most_s) << strsignal(signal);
       EXPECT_TRUE(end.by_signal == signal || end.exit_code == 0 || end.exit_code == 1)
@@ -157,7 +147,7 @@ TEST(CliSignals, ASecondOneAroundTheEndChangesNothing) {
       loop.signal(first);
       std::this_thread::sleep_for(between);
       loop.signal(second);
-      const LiveRun::End end = loop.wait(10);
+      const LiveRun::End end = loop.wait(60);
       ASSERT_TRUE(end.ended);
       EXPECT_LT(end.after_s, most_s);
       // When everything is over, a signal may end the program as it ends any other.
@@ -176,7 +166,7 @@ TEST(CliSignals, ALoopThatIsKilledLeavesNoGuard) {
     ASSERT_TRUE(sounds_on(stage, before));
     EXPECT_EQ(stage.guards().size(), 1u);
     loop.signal(SIGKILL);
-    EXPECT_EQ(loop.wait(5).by_signal, SIGKILL);
+    EXPECT_EQ(loop.wait(60).by_signal, SIGKILL);
     stage.expect_silent_and_alone();
   }
 }
@@ -233,7 +223,7 @@ TEST(CliSignals, HoweverALoopEndsItsInputsAreAsTheyWere) {
         loop.wait(source.starts_with("recording") ? 0.1 : 1.5);  // a recording of one frame ends soon
         loop.signal(*signal);
       }
-      EXPECT_TRUE(loop.wait(10).ended);
+      EXPECT_TRUE(loop.wait(60).ended);
       stage.expect_silent_and_alone();
       EXPECT_TRUE(files_in(inputs) == before);
     }

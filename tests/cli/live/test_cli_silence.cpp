@@ -4,11 +4,9 @@
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <functional>
-#include <thread>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
@@ -28,8 +26,8 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-/// The second that palpa promises, and half a second for the system on a busy machine.
-constexpr double a_second = 1.5;
+/// The second that palpa promises, and as much again for the system; more in instrumented builds.
+constexpr double a_second = instrumented() ? 6 : 2;
 
 std::string cube() {
   return source_file("assets/cube.glb").string();
@@ -51,7 +49,7 @@ fs::path named_cube(const fs::path& folder, const std::string& name) {
 /// A session with a listener.
 struct Stage {
   fs::path folder;
-  UdpReceiver receiver{std::chrono::seconds(1)};
+  UdpReceiver receiver;
   std::string last;
 
   explicit Stage(const std::string& name) : folder(scratch_folder(name)) {}
@@ -62,11 +60,7 @@ struct Stage {
   /// Receives lines until at least `sounding` of them sound and there are at least `any` lines.
   void hear(int sounding, int any = 0) {
     for (int heard = 0, all = 0; heard < sounding || all < any; ++all) {
-      const int patience = last.empty() ? 60 : 3;  // the first loop on a machine compiles the shaders
-      std::string next;
-      for (int tries = 0; tries < patience && next.empty(); ++tries)
-        next = receiver.next();
-      last = next;
+      last = receiver.next();
       ASSERT_FALSE(last.empty()) << "it stopped sounding after " << heard << " of " << sounding << " lines";
       heard += json::parse(last)["fingers"].empty() ? 0 : 1;
     }
@@ -78,40 +72,36 @@ struct Stage {
   }
   void expect_silent_end(LiveRun& run, int signal = SIGTERM) {
     run.signal(signal);
-    const LiveRun::End end = run.wait(10);
+    const LiveRun::End end = run.wait(60);
     EXPECT_TRUE(end.ended);
     EXPECT_EQ(end.by_signal, 0);
-    EXPECT_LT(end.after_s, a_second * (instrumented() ? 3 : 1));
+    EXPECT_LT(end.after_s, a_second);
     hear_the_end();
     EXPECT_TRUE(json::parse(last)["fingers"].empty()) << last;
     last.clear();
   }
 };
 
-TEST(CliSilence, NobodyReadsWhatItWarnsOf) {
-  Stage stage("silence-stderr");
+TEST(CliSilence, NobodyReadsWhatItPrints) {
+  Stage warnings("silence-stderr"), results("silence-stdout"), both("silence-both");
   const Unread full = Unread::pipe();
-  // A line that no datagram holds: silence goes in its place, and there is a warning.
-  const fs::path scene = named_cube(stage.folder, std::string(66'000, 'n'));
-  LiveRun run(stage.line({}, scene), {.err = &full});
-  stage.hear(0, 60);
-  stage.expect_silent_end(run);
-}
-
-TEST(CliSilence, NobodyReadsItsResults) {
-  Stage stage("silence-stdout");
-  const Unread full = Unread::pipe();
-  LiveRun run(stage.line({"--stats", "json"}), {.out = &full});
-  stage.hear(20);
-  stage.expect_silent_end(run);
-}
-
-TEST(CliSilence, NobodyReadsAnything) {
-  Stage stage("silence-both");
-  const Unread full = Unread::pipe();
-  LiveRun run(stage.line({"--events", "-", "--event-move", "0"}), {.out = &full, .err = &full});
-  stage.hear(60);
-  stage.expect_silent_end(run, SIGINT);
+  const auto warns = [&] {
+    // A line that no datagram holds: silence goes in its place, and there is a warning.
+    LiveRun run(warnings.line({}, named_cube(warnings.folder, std::string(66'000, 'n'))), {.err = &full});
+    warnings.hear(0, 60);
+    warnings.expect_silent_end(run);
+  };
+  const auto has_results = [&] {
+    LiveRun run(results.line({"--stats", "json"}), {.out = &full});
+    results.hear(20);
+    results.expect_silent_end(run);
+  };
+  const auto has_both = [&] {
+    LiveRun run(both.line({"--events", "-", "--event-move", "0"}), {.out = &full, .err = &full});
+    both.hear(60);
+    both.expect_silent_end(run, SIGINT);
+  };
+  side_by_side({warns, has_results, has_both});
 }
 
 TEST(CliSilence, ItsTerminalIsStopped) {
@@ -121,11 +111,7 @@ TEST(CliSilence, ItsTerminalIsStopped) {
   LiveRun run(stage.line({}), {.err = &terminal, .foreground = true});
   stage.hear(20);
   std::string seen;  // the line with the state is drawn twice a second
-  for (int i = 0; i < 200 && seen.find("SOUNDING") == std::string::npos; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    seen += terminal.read_all();
-  }
-  EXPECT_NE(seen.find("SOUNDING"), std::string::npos) << seen;
+  EXPECT_TRUE(begins([&] { return (seen += terminal.read_all()).find("SOUNDING") != std::string::npos; })) << seen;
   terminal.stop();
   stage.hear(60);  // twice a second it would draw
   stage.expect_silent_end(run);
@@ -153,8 +139,10 @@ TEST(CliSilence, NobodyReadsItsDrives) {
     const int reader = open(fifo.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     LiveRun run(with({"--scene", cube(), "--link", "record:" + fifo.string()}, small_frames()));
     wait_until(run, reader);
-    run.signal(SIGTERM);
-    EXPECT_LT(run.wait(10).after_s, a_second * (instrumented() ? 3 : 1));
+    if (!run.wait(0).ended) {
+      run.signal(SIGTERM);
+      EXPECT_LT(run.wait(60).after_s, a_second);
+    }
     close(reader);
   };
   const auto before_it_sounds = [&] { ends("early", [](LiveRun& run, int) { run.wait(0.3); }); };
@@ -165,7 +153,10 @@ TEST(CliSilence, NobodyReadsItsDrives) {
       run.wait(0.3);
     });
   };
-  side_by_side({before_it_sounds, while_it_waits});
+  const auto by_itself = [&] {
+    ends("alone", [](LiveRun& run, int) { EXPECT_EQ(run.wait(120).exit_code, 1) << "the link gives up"; });
+  };
+  side_by_side({before_it_sounds, while_it_waits, by_itself});
 }
 
 /// With a disk in `folder` that answers until hang() is called. Something must have been written to it after that.
@@ -183,32 +174,16 @@ struct HungDisk {
   void answer() const { fs::remove(folder / "hangs"); }
 };
 
-TEST(CliSilence, TheDiskOfItsRecordingDoesNotAnswer) {
-  PALPA_TERMINAL_OR_SKIP();
+TEST(CliSilence, TheDiskOfItsFilesOrOfItsMessagesDoesNotAnswer) {
   if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
-  Stage stage("silence-recording");
-  const HungDisk disk{fs::canonical(stage.folder)};
-  Unread told = Unread::terminal();
-  LiveRun run(stage.line({"--record", (disk.folder / "take").string()}),
-              {.err = &told, .environment = disk.environment()});
-  stage.hear(10);
-  disk.hang();
-  stage.hear(60);
-  ASSERT_FALSE(HasFailure()) << told.read_all();
-  stage.expect_silent_end(run);
-}
-
-TEST(CliSilence, TheDiskOfItsEventsOrOfItsMessagesDoesNotAnswer) {
-  if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer's own preloads come first";
-  Stage told("silence-events-disk"), warned("silence-messages-disk");
-  const auto events = [&] {
-    const HungDisk disk{fs::canonical(told.folder)};
-    LiveRun run(told.line({"--events", (disk.folder / "events").string(), "--event-move", "0"}),
-                {.environment = disk.environment()});
-    told.hear(10);
+  Stage recorded("silence-recording"), told("silence-events-disk"), warned("silence-messages-disk");
+  const auto writes = [](Stage& stage, const std::vector<std::string>& options) {
+    const HungDisk disk{fs::canonical(stage.folder)};
+    LiveRun run(stage.line(options), {.environment = disk.environment()});
+    stage.hear(10);
     disk.hang();
-    told.hear(60);
-    told.expect_silent_end(run);
+    stage.hear(60);
+    stage.expect_silent_end(run);
   };
   const auto messages = [&] {
     const HungDisk disk{fs::canonical(warned.folder)};
@@ -219,7 +194,8 @@ TEST(CliSilence, TheDiskOfItsEventsOrOfItsMessagesDoesNotAnswer) {
     warned.hear(0, 60);
     warned.expect_silent_end(run);
   };
-  side_by_side({events, messages});
+  side_by_side({[&] { writes(recorded, {"--record", recorded.folder / "take"}); },
+                [&] { writes(told, {"--events", told.folder / "events", "--event-move", "0"}); }, messages});
 }
 
 TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
@@ -234,7 +210,7 @@ TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {
     disk.hang();
     run.wait(after_s);
     run.signal(SIGTERM);
-    EXPECT_LT(run.wait(10).after_s, a_second);
+    EXPECT_LT(run.wait(60).after_s, a_second);
   };
   side_by_side({[&] { ends(soon, 0.05); }, [&] { ends(later, 1.5); }});
 }
@@ -251,7 +227,7 @@ TEST(CliSilence, ADiskThatPausesLosesNothing) {
   };
   const auto without_pause = [&] {
     LiveRun run(line(steady));
-    EXPECT_EQ(run.wait(60).exit_code, 0);
+    EXPECT_EQ(run.wait(120).exit_code, 0);
   };
   const auto with_pause = [&] {
     const HungDisk disk{fs::canonical(pausing.folder)};
@@ -262,7 +238,7 @@ TEST(CliSilence, ADiskThatPausesLosesNothing) {
     disk.hang();
     EXPECT_FALSE(run.wait(4).ended) << "it did not wait for its disk: " << read_text(disk.folder / "messages");
     disk.answer();
-    EXPECT_EQ(run.wait(60).exit_code, 0) << read_text(disk.folder / "messages");
+    EXPECT_EQ(run.wait(120).exit_code, 0) << read_text(disk.folder / "messages");
   };
   side_by_side({without_pause, with_pause});
   EXPECT_EQ(read_text(pausing.folder / "events"), read_text(steady.folder / "events"));
@@ -285,18 +261,6 @@ TEST(CliSilence, AProgramThatWasStoppedGoesOnInSilence) {
   EXPECT_TRUE(json::parse(first)["fingers"].empty()) << "it plays what it saw half a second ago: " << first;
   stage.hear(10);
   stage.expect_silent_end(run);
-}
-
-TEST(CliSilence, LeavesNoRecordingWhereItsLinkCannotBeOpened) {
-  const fs::path folder = scratch_folder("silence-discarded");
-  const fs::path take = folder / "take";
-  const std::vector<std::string> line{"run",      "--scene",     cube(),   "--backend",       "cpu",
-                                      "--record", take.string(), "--link", "foci:udp:nowhere"};
-  expect_failure(palpa(line), 2, "link foci takes udp:HOST:PORT");
-  EXPECT_FALSE(fs::exists(take));
-  fs::create_directory(take);
-  expect_failure(palpa(line), 2, "link foci takes udp:HOST:PORT");
-  EXPECT_TRUE(fs::is_empty(take));
 }
 
 }  // namespace

@@ -8,16 +8,14 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "sensing/rig.hpp"
-#include "session/links/record_link.hpp"
 #include "setup/tasks/register_tracker.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -84,20 +82,14 @@ TEST_F(Tracker, ARunAndAnExportTakeItsHands) {
   EXPECT_GT(stats["frames"]["touching"], 20);
   EXPECT_FALSE(stats.contains("dropped")) << "a tracker sees no boards";
 
-  ASSERT_EQ(exported("joints:" + file("dip.jsonl"), file("a.csv")).exit_code, 0);
-  ASSERT_EQ(exported("joints:" + file("dip.jsonl"), file("b.csv")).exit_code, 0);
-  const std::string foci = read_text(file("a.csv"));
-  EXPECT_GT(foci.size(), 5000U);
-  EXPECT_EQ(foci, read_text(file("b.csv")));
-}
-
-TEST_F(Tracker, TheShellIsThickUnlessItIsGiven) {
-  const std::string source = "joints:" + file("dip.jsonl");
-  ASSERT_EQ(exported(source, file("usual.csv")).exit_code, 0);
-  ASSERT_EQ(exported(source, file("thick.csv"), {"--delta", "3mm"}).exit_code, 0);
-  ASSERT_EQ(exported(source, file("thin.csv"), {"--delta", "1.5mm"}).exit_code, 0);
-  EXPECT_EQ(read_text(file("usual.csv")), read_text(file("thick.csv")));
-  EXPECT_NE(read_text(file("usual.csv")), read_text(file("thin.csv")));
+  const auto foci = [&](const std::vector<std::string>& more) {
+    EXPECT_EQ(exported("joints:" + file("dip.jsonl"), file("foci.csv"), more).exit_code, 0);
+    return read_text(file("foci.csv"));
+  };
+  const std::string usual = foci({});
+  EXPECT_GT(usual.size(), 5000U);
+  EXPECT_EQ(usual, foci({"--delta", "3mm"})) << "the shell is thick unless it is given";
+  EXPECT_NE(usual, foci({"--delta", "1.5mm"}));
 }
 
 TEST_F(Tracker, StandsWhereTheRigSays) {
@@ -225,20 +217,9 @@ TEST_F(Registration, FindsWhereTheTrackerStands) {
   EXPECT_EQ(said["T_world_joints"][3], json({0.0, 0.0, 0.0, 1.0}));
 
   // What sounded last is the last focus, and then silence.
-  const session::DriveRecording recording = session::read_drive_recording(file("drives.bin"));
-  const auto sounds = [](const session::RecordedDrive& d) {
-    return std::ranges::any_of(d.drive, [](const auto& t) { return t.amplitude > 0; });
-  };
-  EXPECT_FALSE(sounds(recording.drives.back()));
-  const auto last = std::find_if(recording.drives.rbegin(), recording.drives.rend(), sounds);
-  ASSERT_TRUE(last != recording.drives.rend());
-  const array::Layout own = array::load_layout("openmpd");
-  const array::SlotFocus slot{the_foci().back()};
-  const array::Drive expected =
-      array::drive_for(array::transformed(own, own.default_T_world_layout), std::span(&slot, 1));
-  ASSERT_EQ(last->drive.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i)
-    EXPECT_LT(std::abs(std::remainder(double{last->drive[i].phase} - expected[i].phase, 6.283185307)), 5e-3);  // 3 um
+  EXPECT_LT(phases_off(last_sound(file("drives.bin")), array::load_layout("openmpd").default_T_world_layout,
+                       the_foci().back()),
+            5e-3);  // 3 um
 }
 
 TEST_F(Registration, FociMayBeNudged) {

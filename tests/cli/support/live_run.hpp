@@ -60,7 +60,10 @@ class LiveRun {
     bool ended = false;  ///< within the time limit
     int exit_code = -1;  ///< -1 if a signal ended it
     int by_signal = 0;
-    double after_s = 0;  ///< since the call
+    double after_s = 0;  ///< since the call, without the time in which a thread was ready and got no processor
+    /// Its exit code is 0, or 1 where it told of a busy machine's delay: that it did not get everything done in time.
+    bool in_order() const { return exit_code == 0 || (exit_code == 1 && held_up_s > 0.05); }
+    double held_up_s = 0;  ///< that time, of all its threads together
   };
   /// Waits for the program's end, which is the end of its first thread. The system frees the program's memory only
   /// after that; this is not waited for. Once it has ended, every further call returns the same.

@@ -2,12 +2,14 @@
 
 #include <poll.h>
 #include <pty.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <stdexcept>
 #include <utility>
 
@@ -55,14 +57,18 @@ bool Terminal::read_some(int timeout_ms) {
 }
 
 bool Terminal::shows(const std::string& part) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   while (text_.find(part) == std::string::npos) {
     if (std::chrono::steady_clock::now() > end || !read_some(100)) return text_.find(part) != std::string::npos;
   }
   return true;
 }
 
-void Terminal::type(const std::string& keys) const {
+void Terminal::type(const std::string& keys) {
+  clockid_t of_child{};
+  timespec so_far{};
+  if (clock_getcpuclockid(child_, &of_child) == 0 && clock_gettime(of_child, &so_far) == 0)
+    processor_s_ = -(static_cast<double>(so_far.tv_sec) + 1e-9 * static_cast<double>(so_far.tv_nsec));
   if (write(master_, keys.data(), keys.size()) < 0) throw std::runtime_error("the terminal takes no keys");
 }
 
@@ -70,7 +76,10 @@ int Terminal::ended_by_signal() {
   while (read_some(1000)) {
   }
   int status = 0;
-  waitpid(std::exchange(child_, 0), &status, 0);
+  rusage usage{};
+  wait4(std::exchange(child_, 0), &status, 0, &usage);
+  for (const timeval& time : {usage.ru_utime, usage.ru_stime})
+    processor_s_ += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
 }
 

@@ -19,12 +19,15 @@ class Terminal {
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
-  /// Waits, at most half a minute, until the program's output contains `part`.
+  /// Waits, at most two minutes, until the program's output contains `part`.
   bool shows(const std::string& part);
   /// Keys; "\x03" is Ctrl-C.
-  void type(const std::string& keys) const;
+  void type(const std::string& keys);
   /// The signal that ended the program; 0 if it ended by itself. Waits for the end.
   int ended_by_signal();
+  /// Processor time of all its threads from the last key to its end, once it has ended. Unlike the time on a clock, it
+  /// is not longer on a busy machine.
+  double processor_s_to_end() const { return processor_s_; }
   const std::string& text() const { return text_; }
 
  private:
@@ -32,6 +35,7 @@ class Terminal {
 
   int master_ = -1;
   pid_t child_ = 0;
+  double processor_s_ = 0;
   std::string text_;
 };
 

@@ -139,6 +139,13 @@ class ForkedLoop {
   pid_t id_;
 };
 
+/// Stops a guard of this process. Returns when it has stopped: until then, it may still take a drive.
+inline void stop(pid_t guard) {
+  kill(guard, SIGSTOP);
+  siginfo_t stopped{};
+  EXPECT_EQ(waitid(P_PID, static_cast<id_t>(guard), &stopped, WSTOPPED | WNOWAIT), 0);
+}
+
 /// The guard that this process started last.
 inline pid_t guard_of_ours() {
   const std::string task = "/proc/self/task/" + std::to_string(getpid()) + "/children";

@@ -4,18 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
+#include "support/begins.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 
@@ -32,16 +31,14 @@ class Emulation {
     run_.emplace(with({"openmpd", "--serial", serials, "--json", report().string()}, more), options);
     const std::size_t boards = 1 + static_cast<std::size_t>(std::count(serials.begin(), serials.end(), ','));
     const auto socket = folder_ / "palpa" / ("usb-" + std::to_string(boards) + ".sock");
-    for (int i = 0; i < 400 && !std::filesystem::exists(socket); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_TRUE(std::filesystem::exists(socket));
+    EXPECT_TRUE(begins([&] { return std::filesystem::exists(socket); }));
   }
   Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
   const std::filesystem::path& folder() const { return folder_; }
   /// Ends it and returns its report. It fails if its boards have heard different numbers of frames.
   nlohmann::json end(int exit_code = 0) {
     run_->signal(SIGTERM);
-    const LiveRun::End end = run_->wait(10);
+    const LiveRun::End end = run_->wait(60);
     std::ifstream file(report());
     nlohmann::json heard = nlohmann::json::parse(file);
     EXPECT_EQ(end.exit_code, exit_code) << heard;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -15,6 +14,7 @@
 #include <numbers>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "driver/guard/channel.hpp"
 #include "driver/rig_parts.hpp"
@@ -95,20 +95,25 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   }
   /// Does what a guard does between drives: waits for what the board watches, 5 ms at most.
   template <typename Done>
-  bool tend_until(const Done& done, std::chrono::milliseconds at_most = std::chrono::minutes(1)) {
-    for (const auto end = std::chrono::steady_clock::now() + at_most; std::chrono::steady_clock::now() < end;) {
+  bool tend_until(const Done& done) {
+    return begins([&] {
       std::array<pollfd, 2> fds{};
       const auto watched = board->watched();
       std::copy(watched.begin(), watched.end(), fds.begin());
       poll(fds.data(), watched.size(), 5);
       board->tend();
       const std::lock_guard held(lock);
-      if (done()) return true;
-    }
-    return false;
+      return done();
+    });
   }
-  void tend_for(std::chrono::milliseconds time) {
-    tend_until([] { return false; }, time);
+  /// Waits until nothing comes on the line for a tenth of a second.
+  bool comes_to_rest() {
+    std::uint64_t bytes = 0;
+    double since_s = driver::monotonic_s();
+    return tend_until([&] {
+      if (std::exchange(bytes, machine.bytes()) != machine.bytes()) since_s = driver::monotonic_s();
+      return driver::monotonic_s() - since_s > 0.1;
+    });
   }
   bool becomes_silent() {
     return tend_until([this] { return silent(); });

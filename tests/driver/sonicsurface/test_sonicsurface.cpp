@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "driver/guard/channel.hpp"
@@ -197,16 +198,21 @@ TEST(SonicSurfaceWire, BothBuffersAreSilentWhateverTheFirmwareIsAndWhateverItWas
 TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
   PALPA_TERMINAL_OR_SKIP();
   Rig rig;
+  const double begin_s = monotonic_s();
   rig.open();
   for (std::uint64_t s = 0; s < 20; ++s) {
     rig.drive[0].phase = static_cast<float>(s) / 10;
     rig.board->play(s, rig.drive);
   }
+  // On a busy machine, there may have been time for more.
+  const auto in_time = static_cast<std::uint64_t>((monotonic_s() - begin_s) / seconds_of(frame_size(1)));
   EXPECT_TRUE(rig.plays_its_drive());
-  EXPECT_LE(rig.machine.swaps(), 5u) << "none queue";
-  EXPECT_TRUE(rig.tend_until([&] { return rig.board->counts().completed.drives > 0; }));
-  EXPECT_LE(rig.board->counts().submitted.drives, 2u) << "of twenty the newest, and one on its way before";
-  EXPECT_EQ(rig.board->counts().completed.drives, rig.board->counts().submitted.drives);
+  const auto counts = [&] { return rig.board->counts(); };
+  EXPECT_TRUE(rig.tend_until([&] { return counts().completed.drives == counts().submitted.drives; }));
+  EXPECT_GE(counts().submitted.drives, 1u);
+  EXPECT_LE(counts().submitted.drives, 2 + in_time) << "of twenty the newest, and one on its way before";
+  EXPECT_TRUE(rig.comes_to_rest());
+  EXPECT_LE(rig.machine.swaps(), 5 + in_time) << "none queue";
   rig.board->play(20, rig.silence);
   EXPECT_TRUE(rig.becomes_silent());
   rig.expect_silent_end();
@@ -217,12 +223,13 @@ TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAndAtTheEndAllAre) {
   Rig rig;
   rig.open();
   const auto silent = [&] { return rig.silent(); };
+  std::uint64_t all = 0;
   const auto bytes_of = [&](const auto& act, const auto& done) {
-    const std::uint64_t before = rig.machine.bytes();
     act();
     EXPECT_TRUE(rig.tend_until(done));
-    rig.tend_for(60ms);
-    return rig.machine.bytes() - before;
+    EXPECT_TRUE(rig.comes_to_rest());
+    const std::lock_guard held(rig.lock);
+    return rig.machine.bytes() - std::exchange(all, rig.machine.bytes());
   };
   std::uint64_t slot = 0;
   const auto sound = [&] { rig.board->play(slot++, rig.drive); };
@@ -257,31 +264,42 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   EXPECT_EQ(begun.submitted.plans, 1u);
   EXPECT_GT(begun.starting, 0u) << "nothing is heard before both buffers were silenced and the frame is there";
   EXPECT_TRUE(rig.plays_its_drive());
-  const std::uint64_t bytes = rig.machine.bytes(), swaps = rig.machine.swaps();
-  const double begin_s = monotonic_s();
+  const auto swaps = [&] {
+    const std::lock_guard held(rig.lock);
+    return rig.machine.swaps();
+  };
+  const auto not_swaps = [&] {
+    const std::lock_guard held(rig.lock);
+    return rig.machine.bytes() - rig.machine.swaps();
+  };
+  const std::uint64_t before = not_swaps(), first_swap = swaps();
   bool on = false, silent = false;
   const auto swapped = [&] {
     on = on || rig.plays(rig.drive);
     silent = silent || rig.machine.all_silent();
     rig.board->play(slot++, rig.drive);
-    return on && silent && rig.machine.swaps() >= swaps + 100;  // a quarter of a second
+    return on && silent && rig.machine.swaps() >= first_swap + 100;  // a quarter of a second
   };
   EXPECT_TRUE(rig.tend_until(swapped));
-  const double after_s = monotonic_s() - begin_s;
-  EXPECT_EQ(rig.machine.bytes() - bytes, rig.machine.swaps() - swaps) << "nothing but swaps";
-  const double rate_hz = static_cast<double>(rig.machine.swaps() - swaps) / after_s;
-  EXPECT_LE(rate_hz, 400 * 1.1) << "none in a burst";
+  EXPECT_EQ(not_swaps(), before) << "nothing but swaps";
   EXPECT_EQ(counts().completed.drives - begun.completed.drives, slot - first) << "each is the plan's";
   EXPECT_EQ(counts().starting, begun.starting);
+  // A guard that got no processor for a while; nothing is on the line any more.
+  std::this_thread::sleep_for(200ms);
+  const std::uint64_t paused = swaps();
+  const double again_s = monotonic_s();
+  for (int i = 0; i < 20; ++i, std::this_thread::sleep_for(100us))
+    rig.board->tend();
+  const double most = 2 + 400 * (monotonic_s() - again_s);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_LE(static_cast<double>(swaps() - paused), most) << "late swaps do not come in a burst";
   // A different pattern comes within a refresh, and never partly.
   rig.drive[3].phase += 1;
   rig.plan(200);
   EXPECT_TRUE(rig.plays_its_drive());
   rig.board->all_off();
   EXPECT_TRUE(rig.becomes_silent());
-  const std::uint64_t at_rest = rig.machine.bytes();
-  rig.tend_for(50ms);
-  EXPECT_EQ(rig.machine.bytes(), at_rest) << "nothing more is sent";
+  EXPECT_TRUE(rig.comes_to_rest()) << "nothing more is sent";
   rig.board->play(slot, rig.drive);  // and it continues with the next drive
   EXPECT_TRUE(rig.plays_its_drive());
   rig.end_silent();
@@ -292,6 +310,7 @@ TEST(SonicSurfaceBoard, SilenceDoesNotWaitBehindWhatTheKernelStillHas) {
   Rig rig;
   rig.open();
   EXPECT_TRUE(rig.becomes_silent());
+  EXPECT_TRUE(rig.comes_to_rest());
   const std::uint64_t before = rig.machine.bytes();
   {
     const std::lock_guard takes_nothing(rig.lock);
@@ -303,7 +322,7 @@ TEST(SonicSurfaceBoard, SilenceDoesNotWaitBehindWhatTheKernelStillHas) {
     rig.board->play(40, rig.silence);
   }
   EXPECT_TRUE(rig.becomes_silent());
-  rig.tend_for(60ms);
+  EXPECT_TRUE(rig.comes_to_rest());
   // What the other end of a pseudo terminal has got, at most 8191 bytes, cannot be taken back.
   EXPECT_LT(rig.machine.bytes() - before, 40 * 258u);
   rig.board->all_off();

@@ -138,7 +138,9 @@ class SittingBench {
   }
   /// Whether the link gets nothing but silence from a moment on.
   bool is_silent() {
-    passes(std::chrono::milliseconds(20));  // drives under way
+    const std::uint64_t under_way = heard_->drives + 1;
+    if (!goes_until([&] { return !heard_->last_sounds && (heard_->finished || heard_->drives > under_way); }, false))
+      return false;
     const std::uint64_t before = heard_->sounding;
     passes(std::chrono::milliseconds(100));
     return heard_->sounding == before && !heard_->last_sounds;

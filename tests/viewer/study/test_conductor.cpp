@@ -9,12 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/sha256.hpp"
 #include "setup/played_foci.hpp"
 #include "sitting_bench.hpp"
 #include "study/files/study_folder.hpp"
+#include "support/begins.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/thrown.hpp"
@@ -231,12 +233,22 @@ TEST_F(ConductorTest, ADiskThatIsFullEndsTheTouchInSilence) {
 TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
   test::SittingBench& bench = long_touches();
   ASSERT_TRUE(touches_and_sounds());
-  // The program's thread stands still for longer than the gate stays open, but not so long that the touch is void.
-  std::this_thread::sleep_for(700ms);
-  EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
-  EXPECT_FALSE(bench.heard()->last_sounds);
-  ASSERT_TRUE(comes_to_sound());
-  EXPECT_EQ(bench.sitting().screen(), Screen::touching);
+  // The program's thread stands still for longer than the gate stays open, but not so long that the touch is void. A
+  // busy machine may let it stand still for longer.
+  bool goes_on = false;
+  for (int attempt = 0; attempt < 20 && !goes_on; ++attempt) {
+    std::this_thread::sleep_for(700ms);
+    EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
+    EXPECT_TRUE(test::begins([&] { return !bench.heard()->last_sounds; }));
+    ASSERT_TRUE(bench.goes_until(
+        [&] { return bench.sitting().screen() == Screen::paused || (bench.conductor().advance(), sounds()); }, false));
+    goes_on = bench.sitting().screen() == Screen::touching;
+    if (!goes_on) {
+      bench.press(Key::space, true);
+      ASSERT_TRUE(touches_and_sounds());
+    }
+  }
+  EXPECT_TRUE(goes_on);
   std::this_thread::sleep_for(1200ms);
   expect_pause("stood still");
 }
@@ -250,8 +262,7 @@ TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
   EXPECT_TRUE(bench.is_silent());
   EXPECT_FALSE(bench.heard()->finished) << "somebody has to silence it when it takes drives again";
   const std::uint64_t before = bench.heard()->drives;
-  bench.passes(100ms);
-  EXPECT_GT(bench.heard()->drives, before) << "drives of silence";
+  EXPECT_TRUE(bench.goes_until([&] { return bench.heard()->drives > before; }, false)) << "drives of silence";
   EXPECT_EQ(bench.sitting().agenda().voided(), 1u);
   EXPECT_CONTAINS(test::read_text(beh("_events.tsv")), "\tvoid\t");
   bench.heard()->swallows = false;

@@ -124,7 +124,7 @@ class Window : public ScreenTest {
       before = std::move(now);
     }
     live.signal(SIGINT);
-    const LiveRun::End end = live.wait(30);
+    const LiveRun::End end = live.wait(60);
     EXPECT_TRUE(end.ended);
     EXPECT_EQ(end.exit_code, 0) << read_text(said);
     EXPECT_EQ(read_text(said), says);
