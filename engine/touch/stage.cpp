@@ -32,7 +32,7 @@ Stage::Stage(const std::vector<geometry::Solid>& solids, std::span<const sensing
       cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
       solids_(checked(prepare_solids(solids, setting.parameters), setting.parameters)),
-      points_(std::make_unique<HostPoints>(tables_, solids_)),
+      points_(std::make_unique<HostPoints>(tables_, solids_, setting)),
       fingers_(setting, cameras, tables_, solids_) {
   crops_.reserve(cameras.size());
   volumes_.reserve(sensing::most_drops(setting.surroundings));
