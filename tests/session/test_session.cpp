@@ -191,6 +191,47 @@ TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
   }
 }
 
+/// Fingers in two cubes, whose dwells do not repeat together.
+TEST_P(Touching, ASlowSolverIsNotLeftToTheOutput) {
+  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("openmpd")};
+  setting.solids.push_back(setting.solids[0]);
+  setting.solids[1].name = "other";
+  setting.solids[1].haptics.dwell_s = 1.637e-3;
+  setting.drive.constraint = array::Constraint::uniform;
+  constexpr std::uint64_t first = 777;
+  std::vector<glm::vec3> points = finger_at({0, -0.003, 0});
+  const std::vector<glm::vec3> others = finger_at({0.1, -0.003, 0});
+  points.insert(points.end(), others.begin(), others.end());
+  Transform T(1.0);
+  T[3] = Vec4(0.1, 0, 0, 1);
+  const auto touch = [&](Session& session) {
+    session.set_pose(1, T);
+    EXPECT_EQ(session.touch(points, 0, first).finger_count, 2U);
+  };
+  setting.drive.solver = array::Solver::gs_pat;
+  Session quick = make(setting);
+  touch(quick);
+  EXPECT_TRUE(quick.plan().cycle.too_long);
+  setting.drive.solver = array::Solver::loudest;
+  Session slow = make(setting);
+  touch(slow);
+  const Plan& plan = slow.plan();
+  ASSERT_EQ(plan.cycle.length, least_unrepeated_slots);
+  for (const std::uint64_t slot : {first, first + 7, first + least_unrepeated_slots - 1}) {
+    std::vector<array::SlotFocus> foci;
+    array::foci_of_slot(plan.schedule, slot, foci);
+    ASSERT_EQ(foci.size(), 2U);
+    const array::Drive expected = array::drive_for(setting.layout, foci, setting.drive);
+    const auto drive = plan.drive(slot, expected.size());
+    for (std::size_t t = 0; t < expected.size(); ++t)
+      ASSERT_NEAR(std::remainder(drive[t].phase - expected[t].phase, 2 * M_PI), 0, 1e-5) << slot;
+  }
+  setting.frame_by_frame = true;  // nothing waits for its slots
+  Session single = make(setting);
+  touch(single);
+  EXPECT_TRUE(single.plan().cycle.too_long);
+}
+
 TEST(Sessions, LetBoardsComputePhasesOnlyAtTheirOwnFrequency) {
   SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("autd3")};
   EXPECT_TRUE(Session(setting).link_setting().free_field);

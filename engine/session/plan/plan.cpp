@@ -20,11 +20,23 @@ void list_advance(Plan& plan, bool lists_standing) {
   plan.standing = 0;
 }
 
+std::size_t foci_together(const array::Schedule& schedule) {
+  std::size_t foci = 0;
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v)
+    foci += schedule.voices[v].foci_per_slot;
+  return foci;
+}
+
 }  // namespace
 
 void reserve(Plan& plan, std::size_t transducers) {
   array::reserve(plan.schedule, touch::max_fingers, touch::max_foci);
   plan.drives.reserve(most_cycle * transducers);
+}
+
+void reserve(SlotWork& work) {
+  array::reserve(work.unmodulated, touch::max_fingers, touch::max_foci);
+  work.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
 }
 
 array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
@@ -47,7 +59,12 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
     planned = &work.unmodulated;
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
-  if (!silent && !cycle.is_listed() && work.lists_always) cycle.length = most_cycle;
+  work.first_listed = 0;
+  if (!silent && !cycle.is_listed() && !array::Loudness::asked(schedule) &&
+      foci_together(schedule) > work.most_unlisted_foci) {
+    cycle.length = work.unrepeated;
+    work.first_listed = std::max(array::first_changing_slot(*planned), work.first_slot);
+  }
   cycle.too_long = !silent && !cycle.is_listed();
   if (schedule.advance.moves()) {
     list_advance(plan, work.lists_standing);
@@ -83,7 +100,8 @@ void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOp
 void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, const OwnSolver& solver,
                   SlotWork& work) {
   const std::size_t transducers = layout.transducers.size();
-  work.lists_always = true;
+  work.most_unlisted_foci = 0;
+  work.unrepeated = most_cycle;
   plan.drives.clear();
   plan_slots(plan, work, nullptr, [&](const auto& foci, const auto&) {
     plan.drives.resize(plan.drives.size() + transducers, {0.0F, 0.0F});

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,7 +22,7 @@ namespace palpa::session {
 ///
 /// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation and
 /// a course, the output applies both as one gain per slot. If the cycle is too_long, the output computes each slot's
-/// drive itself.
+/// drive itself, which must be quick.
 ///
 /// If its foci advance, a plan lists more: the drives of all slots that differ (array::Advance), and before them, for a
 /// link that plays plans by its own clock, one cycle of foci that stand where they are in the middle of the first
@@ -58,14 +60,25 @@ void list_nothing(Plan& plan);
 /// running loop then allocates nothing.
 void reserve(Plan& plan, std::size_t transducers);
 
-/// Scratch memory for planning slots; keeps its storage.
+/// A frame of a camera with 90 Hz lasts 7.4 slots.
+inline constexpr std::uint32_t least_unrepeated_slots = 20;
+
+/// Rules and scratch memory for planning slots; keeps its storage.
 struct SlotWork {
   bool lists_standing = false;  ///< the link plays plans by its own clock
-  /// If a schedule does not repeat soon enough, the plan lists its first most_cycle slots, which then repeat.
-  bool lists_always = false;
+  /// If a schedule does not repeat soon enough, and more foci than this sound together, the output would not be quick.
+  /// The plan then lists the first `unrepeated` slots that play it, which repeat. Not if foci request a pressure.
+  std::size_t most_unlisted_foci = std::numeric_limits<std::size_t>::max();
+  std::uint32_t unrepeated = least_unrepeated_slots;
+  std::uint64_t first_slot = 0;  ///< that plays the plan, if it is known
+
+  std::uint64_t first_listed = 0;  ///< begin_slots: the drives are those of this slot and the following ones
   array::Schedule unmodulated;
   std::vector<array::SlotFocus> foci;
 };
+
+/// Reserves the memory that planning a live frame can need.
+void reserve(SlotWork& work);
 
 /// Fills cycle, advance and pressures; returns the schedule whose slots are to be planned. Foci that advance stand
 /// still if they request a pressure, because its factors belong to the places of all foci, or if there are too many
@@ -88,23 +101,22 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
     array::foci_of_slot(planned, slot, work.foci);
     add(work.foci, asked ? loudness->factors(number) : std::span<const std::complex<double>>());
   };
-  const auto add_slots = [&](std::uint64_t first, std::uint32_t count) {
-    for (std::uint32_t number = 0; number < count; ++number)
-      add_slot(first + number, number);
+  const auto add_cycle = [&](std::uint32_t length) {
+    for (std::uint32_t number = 0; number < length; ++number) {
+      const std::uint64_t turned = length - work.first_listed % length;
+      add_slot(work.first_listed + (number + turned) % length, number);
+    }
   };
   if (!plan.cycle.is_listed()) return;
   if (!advance.moves()) {
-    // If gains change, each drive is that of the first slot that plays it from then on.
-    const std::uint32_t length = plan.cycle.length;
-    const std::uint64_t first = array::first_changing_slot(planned), turned = length - first % length;
-    for (std::uint32_t number = 0; number < length; ++number)
-      add_slot(first + (number + turned) % length, number);
+    add_cycle(plan.cycle.length);
     return;
   }
   planned.advance = {};
-  add_slots(0, plan.standing);
+  add_cycle(plan.standing);
   planned.advance = advance;
-  add_slots(advance.first_slot, advance.listed());
+  for (std::uint32_t number = 0; number < advance.listed(); ++number)
+    add_slot(advance.first_slot + number, number);
 }
 
 /// Fills a plan's drives on the host. `loudness`, made for this layout and these options, is needed if fingers may
