@@ -32,6 +32,7 @@ std::size_t foci_together(const array::Schedule& schedule) {
 void reserve(Plan& plan, std::size_t transducers) {
   array::reserve(plan.schedule, touch::max_fingers, touch::max_foci);
   plan.drives.reserve(most_cycle * transducers);
+  plan.foci.reserve(most_cycle);
 }
 
 void reserve(SlotWork& work) {
@@ -60,12 +61,12 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
   work.first_listed = 0;
-  if (!silent && !cycle.is_listed() && !array::Loudness::asked(schedule) &&
+  if (!silent && cycle.length == 0 && !array::Loudness::asked(schedule) &&
       foci_together(schedule) > work.most_unlisted_foci) {
     cycle.length = work.unrepeated;
     work.first_listed = std::max(array::first_changing_slot(*planned), work.first_slot);
   }
-  cycle.too_long = !silent && !cycle.is_listed();
+  cycle.plays = silent ? Plays::nothing : cycle.length > 0 ? Plays::pattern : Plays::slot_by_slot;
   if (schedule.advance.moves()) {
     list_advance(plan, work.lists_standing);
     planned->advance = schedule.advance;
@@ -112,18 +113,20 @@ void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOpt
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until) {
   if ((plan.schedule.advance.moves() && plan.standing == 0) || array::changes(plan.schedule)) {
     Cycle unlisted = plan.cycle;
+    unlisted.plays = Plays::slot_by_slot;
     unlisted.length = 0;
-    unlisted.too_long = true;
     return {.schedule = plan.schedule, .slots = {from, until, unlisted}};
   }
   return {.schedule = plan.schedule,
           .slots = {from, until, plan.cycle},
-          .drives = std::span(plan.drives).first(plan.cycle.length * transducers)};
+          .drives = std::span(plan.drives).first(plan.cycle.length * transducers),
+          .foci = plan.foci};
 }
 
 void list_nothing(Plan& plan) {
+  plan.cycle.plays = Plays::nothing;
   plan.cycle.length = 0;
-  plan.cycle.too_long = false;
+  plan.foci.clear();
   plan.course = {};
   plan.standing = 0;
 }

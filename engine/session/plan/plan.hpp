@@ -13,6 +13,7 @@
 #include "array/loudness.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_drives.hpp"
+#include "base/math.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"
 
@@ -21,7 +22,7 @@ namespace palpa::session {
 /// The schedule of one frame, solved for a layout.
 ///
 /// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation and
-/// a course, the output applies both as one gain per slot. If the cycle is too_long, the output computes each slot's
+/// a course, the output applies both as one gain per slot. If it plays slot_by_slot, the output computes each slot's
 /// drive itself, which must be quick.
 ///
 /// If its foci advance, a plan lists more: the drives of all slots that differ (array::Advance), and before them, for a
@@ -35,6 +36,7 @@ struct Plan {
   array::Course course;        ///< of all fingers, if they share one: the listed drives do not include it
   std::uint32_t standing = 0;  ///< the drives of the cycle of standing foci, if foci advance: cycle.length or 0
   std::vector<array::TransducerDrive> drives;  ///< listed() * transducers
+  std::vector<Vec3> foci;  ///< of the first cycle.length drives, if each is that of one focus; else empty
 
   /// The number of drives.
   std::uint32_t listed() const {
@@ -105,8 +107,11 @@ void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) 
     for (std::uint32_t number = 0; number < length; ++number) {
       const std::uint64_t turned = length - work.first_listed % length;
       add_slot(work.first_listed + (number + turned) % length, number);
+      if (work.foci.size() == 1) plan.foci.push_back(work.foci[0].position);
     }
+    if (plan.foci.size() < length) plan.foci.clear();
   };
+  plan.foci.clear();
   if (!plan.cycle.is_listed()) return;
   if (!advance.moves()) {
     add_cycle(plan.cycle.length);
