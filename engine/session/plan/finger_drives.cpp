@@ -16,7 +16,7 @@ FingerDrives::FingerDrives(const SessionSetting& setting, const Scheduler& sched
 
 bool FingerDrives::make(Plan& plan, SlotWork& work) {
   static const array::Schedule nothing;
-  begin_slots(plan, work, nullptr);
+  begin_slots(plan, work);
   if (!sounds_.take(plan.cycle.is_listed() ? plan.schedule : nothing)) return false;
   const std::size_t transducers = layout_.transducers.size();
   plan.drives.clear();

@@ -40,16 +40,17 @@ void reserve(SlotWork& work) {
   work.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
 }
 
-array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
+array::Schedule& begin_slots(Plan& plan, SlotWork& work) {
   array::Schedule& schedule = plan.schedule;
   Cycle& cycle = plan.cycle;
   const bool silent = schedule.voice_count == 0;
+  const bool asked = array::Loudness::asked(schedule);
   const bool one_gain = !silent && array::shared_modulation(schedule);
   cycle.modulation_hz = one_gain ? schedule.voices[0].modulation_hz : 0.0;
   plan.course = one_gain ? schedule.voices[0].course : array::Course();
   if (cycle.modulation_hz != 0) cycle.modulation = schedule.voices[0].modulation;
   plan.standing = 0;
-  if (silent || loudness != nullptr) schedule.advance = {};
+  if (silent || asked) schedule.advance = {};
   array::Schedule* planned = &schedule;
   if (cycle.modulation_hz != 0 || plan.course.changes()) {
     work.unmodulated = schedule;
@@ -61,8 +62,7 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
   work.first_listed = 0;
-  if (!silent && cycle.length == 0 && !array::Loudness::asked(schedule) &&
-      foci_together(schedule) > work.most_unlisted_foci) {
+  if (!silent && cycle.length == 0 && !asked && foci_together(schedule) > work.most_unlisted_foci) {
     cycle.length = work.unrepeated;
     work.first_listed = std::max(array::first_changing_slot(*planned), work.first_slot);
   }
@@ -71,22 +71,25 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
     list_advance(plan, work.lists_standing);
     planned->advance = schedule.advance;
   }
-  if (loudness == nullptr) return *planned;
+  return *planned;
+}
+
+void solve_pressures(Plan& plan, array::Schedule& planned, SlotWork& work, array::Loudness& loudness) {
+  array::Schedule& schedule = plan.schedule;
   // If slots do not repeat soon enough, they are solved when they play. The first most_cycle slots, with the full gains
   // of all voices, determine their loudness.
-  array::Schedule* loudest = planned;
-  if (array::changes(*planned)) {
+  array::Schedule* loudest = &planned;
+  if (array::changes(planned)) {
     work.unmodulated = schedule;
     for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v)
       work.unmodulated.voices[v].course = {};
     loudest = &work.unmodulated;
   }
-  loudness->solve(*loudest, cycle.slots_to_look_at());
+  loudness.solve(*loudest, plan.cycle.slots_to_look_at());
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     schedule.voices[v].target_pa = loudest->voices[v].target_pa;
     schedule.voices[v].reached_pa = loudest->voices[v].reached_pa;
   }
-  return *planned;
 }
 
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,

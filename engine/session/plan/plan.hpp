@@ -82,10 +82,12 @@ struct SlotWork {
 /// Reserves the memory that planning a live frame can need.
 void reserve(SlotWork& work);
 
-/// Fills cycle, advance and pressures; returns the schedule whose slots are to be planned. Foci that advance stand
-/// still if they request a pressure, because its factors belong to the places of all foci, or if there are too many
-/// drives to list.
-array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
+/// Fills cycle and advance; returns the schedule whose slots are to be planned. Foci that advance stand still if they
+/// request a pressure, because its factors belong to the places of all foci, or if there are too many drives to list.
+array::Schedule& begin_slots(Plan& plan, SlotWork& work);
+
+/// Solves the slots for the requested pressures, and fills in those that the voices reach. `planned`: of begin_slots.
+void solve_pressures(Plan& plan, array::Schedule& planned, SlotWork& work, array::Loudness& loudness);
 
 /// Foci that advance have at least two cycles, and as many as there are in this many slots.
 inline constexpr std::uint32_t least_advance_slots = 20;
@@ -96,8 +98,9 @@ inline constexpr std::uint32_t least_advance_slots = 20;
 /// reach are filled in.
 template <typename Add>
 void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) {
+  array::Schedule& planned = begin_slots(plan, work);
   const bool asked = loudness != nullptr && array::Loudness::asked(plan.schedule);
-  array::Schedule& planned = begin_slots(plan, work, asked ? loudness : nullptr);
+  if (asked) solve_pressures(plan, planned, work, *loudness);
   const array::Advance advance = planned.advance;
   const auto add_slot = [&](std::uint64_t slot, std::uint32_t number) {
     array::foci_of_slot(planned, slot, work.foci);
