@@ -213,7 +213,7 @@ class FramePlanner : public Planner {
       watch.mark("drives on fingers");
       return false;
     }
-    if (flight.drives) return flight.drives->start(plan, slot_work_);
+    if (flight.drives) return flight.drives->start(plan, slot_work_, flight.times);
     drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, slot_drives_);
     watch.mark("drives");
     return false;
