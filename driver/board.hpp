@@ -67,13 +67,12 @@ struct TimedSlots {
   double until_s() const { return from_s + static_cast<double>(slots.count()) * slot_s; }
 };
 
-/// A pattern for a board that plays by its own clock. Valid during the call. From slots.from on, each slot sounds the
-/// drive that its cycle gives, until another plan comes. If the cycle is not listed, there is silence, or drives that
-/// come only by play(). It is session::PlayedPlan on the guard's side.
+/// A plan for a board that plays by its own clock. Valid during the call. From slots.from on, there is its pattern, or
+/// silence, or drives that come only by play(), until another plan comes. It is session::PlayedPlan for the guard.
 struct BoardPlan : TimedSlots {
   std::span<const array::TransducerDrive> drives{};  ///< slots.cycle.length * transducers
-  /// One focus per drive, in the frame of BoardSpec::layout, if the phases of each drive are those of the distances to
-  /// its focus; else empty. Amplitudes may be anything.
+  /// The focus of each drive, in the frame of BoardSpec::layout, if the phases of each drive are those of the distances
+  /// to its focus; else empty. Amplitudes may be anything.
   std::span<const Vec3> foci{};
 };
 
@@ -94,8 +93,8 @@ class Board {
   /// skip. An all-zero drive silences at once, whatever else waits. Takes at most 0.2 ms.
   virtual void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) = 0;
 
-  /// Called only if its kind says plays_plans. play() is still called for every slot. The board ignores drives that its
-  /// pattern has at that slot. An all-zero drive that the pattern does not have silences it.
+  /// Called only if its kind says plays_plans. play() is still called for every slot, except for those in which the
+  /// pattern pauses. The board ignores drives that its pattern has at that slot. A plan of nothing silences it.
   virtual void plan(const BoardPlan&) {}
 
   /// Silences this board, whatever it was doing. It drops what waits, and nothing may sound afterwards until play() or

@@ -76,7 +76,7 @@ class Autd3Board final : public Board {
     const Pattern& pattern = fresh_ ? newest_ : loading_;
     const bool patterned = !pattern.empty() && slot < pattern.until_slot();
     if (all_zero(drive)) {
-      if (!patterned || !pattern.silent_at(slot)) silence();
+      silence();
     } else if (patterned) {
       if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // a silenced pattern is sent again
       allow_start(pattern);
@@ -93,6 +93,7 @@ class Autd3Board final : public Board {
     ++plans_.given;
     drive_waits_ = false;
     if (!plan.slots.cycle.is_listed()) {
+      if (plan.slots.cycle.plays == session::Plays::nothing) silence();
       fresh_ = false;
       place_ = 0;
       newest_.clear();

@@ -6,20 +6,15 @@
 namespace palpa::driver::autd3 {
 
 Pattern::Pattern(std::size_t count, std::size_t most_parts)
-    : transducers_(count), emissions_(count * most_parts), silent_(most_parts), foci_(most_parts) {}
+    : transducers_(count), emissions_(count * most_parts), foci_(most_parts) {}
 
 void Pattern::encode(const BoardPlan& plan) {
   const session::Cycle& cycle = plan.slots.cycle;
-  parts_ = std::min<std::uint32_t>(cycle.length, static_cast<std::uint32_t>(silent_.size()));
+  parts_ = std::min<std::uint32_t>(cycle.length, static_cast<std::uint32_t>(foci_.size()));
   full_ = true;
-  for (std::uint32_t p = 0; p < parts_; ++p) {
-    bool silent = true;
-    for (std::size_t t = p * transducers_; t < (p + 1) * transducers_; ++t) {
-      emissions_[t] = emission(plan.drives[t]);
-      full_ = full_ && emissions_[t].intensity == 255;
-      silent = silent && plan.drives[t].amplitude == 0;
-    }
-    silent_[p] = silent;
+  for (std::size_t t = 0; t < parts_ * transducers_; ++t) {
+    emissions_[t] = emission(plan.drives[t]);
+    full_ = full_ && emissions_[t].intensity == 255;
   }
   foci_count_ = plan.foci.size() == parts_ ? parts_ : 0;
   std::copy_n(plan.foci.begin(), foci_count_, foci_.begin());
@@ -28,13 +23,6 @@ void Pattern::encode(const BoardPlan& plan) {
   modulation_ = cycle.modulation;
   slot_s_ = plan.slot_s;
   begin_s_ = plan.from_s - static_cast<double>(plan.slots.from) * plan.slot_s;
-}
-
-bool Pattern::silent_at(std::uint64_t slot) const {
-  if (empty() || silent_[slot % parts_]) return true;
-  const double midpoint_s = (static_cast<double>(slot) + 0.5) * slot_s_;
-  return modulation_hz_ != 0 &&
-         static_cast<float>(array::modulation_gain(modulation_, modulation_hz_, midpoint_s)) == 0;
 }
 
 void PartOffset::follow(double begin_s, double slot_s, double day_s) {

@@ -32,8 +32,6 @@ class Pattern {
   std::span<const Emission> part(std::uint64_t index) const {
     return {&emissions_[index * transducers_], transducers_};
   }
-  /// Whether the plan is silent in that slot.
-  bool silent_at(std::uint64_t slot) const;
   std::uint64_t until_slot() const { return until_slot_; }
   double modulation_hz() const { return modulation_hz_; }
   array::Modulation modulation() const { return modulation_; }
@@ -44,7 +42,6 @@ class Pattern {
  private:
   std::size_t transducers_;
   std::vector<Emission> emissions_;
-  std::vector<std::uint8_t> silent_;  ///< by part
   std::vector<Vec3> foci_;
   std::size_t foci_count_ = 0;
   std::uint32_t parts_ = 0;

@@ -45,26 +45,19 @@ class BoardLink final : public session::Link {
       throw failure(fmt::format("{}: a plan has {} drives; at most {} are possible", brief_.kind,
                                 plan.slots.cycle.length, session::most_cycle));
     }
-    if (plan.schedule.voice_count == 0) timed.slots.cycle.length = 0;
-    place.head = {timed, put_foci(plan, place.foci)};
+    if (plan.schedule.voice_count == 0) timed.slots.cycle = {};  // silence, whatever else is said
+    const std::span<const Vec3> foci = free_field_ ? plan.foci : std::span<const Vec3>();
+    place.head = {timed, static_cast<std::uint32_t>(foci.size())};
     std::copy(plan.drives.begin(), plan.drives.end(), place.drives.begin());
+    std::copy_n(foci.begin(), std::min(foci.size(), place.foci.size()), place.foci.begin());
+    planned_ = timed.slots;
     plan_place_ = guard_->memory().plan_buffer().commit(plan_place_).place;
   }
 
-  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
-    if (!guard_) return;
-    const auto place = guard_->memory().drive(drive_place_);
-    if (drive.size() != place.drives.size())
-      throw failure(fmt::format("{}: a drive has {} transducers; the layout has {}", brief_.kind, drive.size(),
-                                place.drives.size()));
-    place.head = {slot, until_s_};
-    std::copy(drive.begin(), drive.end(), place.drives.begin());
-    const TripleBuffer::Committed committed = guard_->memory().drive_buffer().commit(drive_place_);
-    drive_place_ = committed.place;
-    const bool there = say(guard_->socket(), Said::drive);
-    if (!listen() || !there || hangs(committed.unread)) end_without_guard();
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override { send(slot, drive, false); }
+  void send_planned(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    send(slot, drive, planned_.cycle.is_listed() && slot >= planned_.from && slot < planned_.until);
   }
-
   bool plays_plans() const override { return plays_plans_; }
 
   void finish() override {
@@ -88,6 +81,20 @@ class BoardLink final : public session::Link {
   }
 
  private:
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool is_in_pattern) {
+    if (!guard_) return;
+    const auto place = guard_->memory().drive(drive_place_);
+    if (drive.size() != place.drives.size())
+      throw failure(fmt::format("{}: a drive has {} transducers; the layout has {}", brief_.kind, drive.size(),
+                                place.drives.size()));
+    place.head = {slot, until_s_, is_in_pattern ? 1U : 0U};
+    std::copy(drive.begin(), drive.end(), place.drives.begin());
+    const TripleBuffer::Committed committed = guard_->memory().drive_buffer().commit(drive_place_);
+    drive_place_ = committed.place;
+    const bool there = say(guard_->socket(), Said::drive);
+    if (!listen() || !there || hangs(committed.unread)) end_without_guard();
+  }
+
   /// Whether the guard has taken nothing for too long, and must be killed: it is stopped or hangs. A step counts as two
   /// slots at most, so that a loop that was stopped together with the guard does not blame the guard.
   bool hangs(bool unread) {
@@ -101,19 +108,6 @@ class BoardLink final : public session::Link {
   }
 
   static constexpr const char* advice = "; make sure that the board is silent, or switch it off";
-
-  /// Writes the focus of each drive, if one finger's foci follow one another in the free field, one per drive. Returns
-  /// how many; 0 otherwise.
-  std::uint32_t put_foci(const session::PlayedPlan& plan, std::span<Vec3> out) const {
-    const std::uint32_t drives = plan.slots.cycle.length;
-    if (!free_field_ || plan.schedule.voice_count != 1 || drives > out.size()) return 0;
-    const array::Voice& voice = plan.schedule.voices[0];
-    const bool one_by_one = voice.foci_per_slot == 1 && voice.dwell_s == plan.schedule.slot_s;
-    if (!one_by_one || drives != voice.order.size()) return 0;
-    std::transform(voice.order.begin(), voice.order.end(), out.begin(),
-                   [&](std::uint32_t focus) { return voice.foci[focus]; });
-    return drives;
-  }
 
   void wait_until_open() {
     const double until_s = monotonic_s() + open_s;
@@ -195,6 +189,7 @@ class BoardLink final : public session::Link {
   double sent_s_ = monotonic_s(), unread_s_ = 0;
   bool hung_ = false;                                         ///< the guard, and was killed
   double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then
+  session::Slots planned_;                                    ///< of the newest plan, if the board plays plans
   std::uint32_t drive_place_ = TripleBuffer::writers_first, plan_place_ = TripleBuffer::writers_first;
 };
 

@@ -63,7 +63,8 @@ class TripleBuffer {
 
 struct DriveHead {
   std::uint64_t slot;
-  double until_s;  ///< it may sound until then at most, on CLOCK_MONOTONIC
+  double until_s;               ///< it may sound until then at most, on CLOCK_MONOTONIC
+  std::uint32_t is_in_pattern;  ///< if not 0, the newest plan is a pattern that has it at that slot
 };
 struct PlanHead {
   TimedSlots timed;

@@ -151,7 +151,9 @@ class Guard {
     if (newest.head.slot < planned_from_) return;  // it is older than the plan that is there already
     until_s_ = newest.head.until_s;
     copy_sound(newest.drives, drive_);
-    taken_.drives += session::sounds(drive_) ? 1 : 0;
+    const bool sounds = session::sounds(drive_);
+    taken_.drives += sounds ? 1 : 0;
+    if (!sounds && newest.head.is_in_pattern != 0) return;  // a pause that the board makes by its own clock
     board.play(newest.head.slot, drive_);
   }
 
@@ -169,7 +171,7 @@ class Guard {
     const TimedSlots& timed = newest.head.timed;
     const session::Cycle& cycle = timed.slots.cycle;
     const std::size_t size = drive_.size() * cycle.length;
-    if (size > plan_.size()) return;
+    if (size > plan_.size() || cycle.is_listed() != (cycle.length > 0)) return;
     planned_from_ = timed.slots.from;
     until_s_ = timed.until_s();
     const std::span<array::TransducerDrive> drives(plan_.data(), size);

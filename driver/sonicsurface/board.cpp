@@ -86,7 +86,7 @@ class SonicSurface final : public Board {
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     const bool still = has_still_ && slot < until_slot_;
     if (all_zero(drive)) {
-      if (!still || !silent_at(slot)) silence();
+      silence();
     } else if (still) {
       sounding_ = true;
       tally_.allow(start_drives());
@@ -102,12 +102,12 @@ class SonicSurface final : public Board {
   void plan(const BoardPlan& plan) override {
     const session::Cycle& cycle = plan.slots.cycle;
     has_still_ = cycle.length == 1;
+    if (cycle.plays == session::Plays::nothing) silence();
     if (!has_still_) return;
     encoder_.encode(plan.drives, still_);
     until_slot_ = plan.slots.until;
     slot_s_ = plan.slot_s;
     hz_ = cycle.modulation_hz;
-    modulation_ = cycle.modulation;
     tally_.allow(start_drives());
     sounding_ = true;
     drive_waits_ = false;
@@ -158,11 +158,6 @@ class SonicSurface final : public Board {
   std::uint64_t start_drives() const {
     const double start_s = 2 * seconds_of(all_off_.size() + encoder_.size());
     return slot_s_ > 0 ? static_cast<std::uint64_t>(std::ceil(start_s / slot_s_)) : 0;
-  }
-
-  bool silent_at(std::uint64_t slot) const {
-    const double midpoint_s = (static_cast<double>(slot) + 0.5) * slot_s_;
-    return hz_ != 0 && static_cast<float>(array::modulation_gain(modulation_, hz_, midpoint_s)) == 0;
   }
 
   void silence() {
@@ -312,7 +307,6 @@ class SonicSurface final : public Board {
   bool drive_waits_ = false;
   std::uint64_t until_slot_ = 0;
   double slot_s_ = 0, hz_ = 0;
-  array::Modulation modulation_ = array::Modulation::pressure_sine;
 
   // What the boards do.
   std::vector<std::uint8_t> loaded_;

@@ -22,6 +22,7 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -105,6 +106,10 @@ bool drivable(const SlotFocus& focus);
 
 /// The focus' gain as it is used: clamped to 0..1, NaN counts as 0.
 float gain_of(const SlotFocus& focus);
+
+/// With how many foci drive_for surely takes no longer than this on one core; 0: not even with one. Foci that request a
+/// pressure do not count.
+std::size_t quick_foci(std::size_t transducers, const DriveOptions& options, double within_s);
 
 /// Working memory of drive_for. If it is reused from call to call, drive_for allocates nothing once it has grown.
 struct DriveScratch {

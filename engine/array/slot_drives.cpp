@@ -19,7 +19,8 @@ void SlotDrives::reserve(const Layout& layout, const DriveOptions& options, std:
   foci_.reserve(foci);
   factors_.reserve(foci);
   scratch_.resize(worker_count());
-  array::reserve(scratch_[0], layout, options, foci);
+  for (DriveScratch& scratch : scratch_)
+    array::reserve(scratch, layout, options, foci);
 }
 
 void SlotDrives::clear() {

@@ -72,7 +72,8 @@ class Sweep {
       voice.dwell_s = dwell_s_;
     }
     const auto slots = static_cast<std::uint64_t>(std::max(1.0, seconds / dwell_s_));
-    link_.plan({.schedule = schedule_, .slots = {slot_, slot_ + slots, {.length = 1}}, .drives = drive_});
+    const session::Cycle cycle = transducer ? session::Cycle{session::Plays::pattern, 1} : session::Cycle{};
+    link_.plan({.schedule = schedule_, .slots = {slot_, slot_ + slots, cycle}, .drives = drive_});
     for (std::uint64_t i = 0; i < slots; ++i) {
       if (setup::Interrupt::flag()) return false;
       link_.send(slot_, drive_);

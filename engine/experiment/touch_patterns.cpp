@@ -53,7 +53,7 @@ session::Plan plan_of(const ObservedMethod& observed, const TouchedScene& scene,
                         {.layout = *observed.layout, .drive = setup::drive_options({}, m.method)}, times);
   if (one.touch.finger_count == 0) return {};
   const session::Plan& plan = one.session.plan();
-  if (plan.cycle.too_long)
+  if (plan.cycle.plays == session::Plays::slot_by_slot)
     throw bad_input(scene.file,
                     "the schedule of '" + m.name + "' repeats too late for the observer; choose another dwell");
   return plan;

@@ -41,7 +41,8 @@ void Player::play_until(std::uint64_t end, const Plan& plan, const std::atomic<b
     sounding_ = !silent;
     // The slot number identifies the drive; the time decides only whether the plan has expired.
     const double now_s = silent ? plan.captured_s + setting_.hold_s : plan.captured_s;
-    safe_.send(slot_, drive_of_slot(plan, slot_, now_s, setting_, scratch_));
+    const auto drive = drive_of_slot(plan, slot_, now_s, setting_, scratch_);
+    silent ? safe_.send(slot_, drive) : safe_.send_planned(slot_, drive);
     ++drives_;
     silent_drives_ += silent ? 1 : 0;
     silent_slots_ = silent && !safe_.must_fade() ? silent_slots_ + 1 : 0;

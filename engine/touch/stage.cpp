@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -24,25 +25,25 @@ PreparedSolids checked(PreparedSolids solids, const Parameters& parameters) {
   return solids;
 }
 
+std::unique_ptr<Points> make_points(Passes* passes, const sensing::RayTables& tables, const PreparedSolids& solids,
+                                    const StageSetting& setting) {
+  if (passes) return std::make_unique<DevicePoints>(*passes, tables, solids, setting);
+  return std::make_unique<HostPoints>(tables, solids, setting);
+}
+
 }  // namespace
 
-Stage::Stage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+Stage::Stage(Passes* passes, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
              const StageSetting& setting)
     : setting_(setting),
       cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
       solids_(checked(prepare_solids(solids, setting.parameters), setting.parameters)),
-      points_(std::make_unique<HostPoints>(tables_, solids_)),
+      points_(make_points(passes, tables_, solids_, setting)),
       fingers_(setting, cameras, tables_, solids_) {
   crops_.reserve(cameras.size());
   volumes_.reserve(sensing::most_drops(setting.surroundings));
   times_.reserve(most_times);
-}
-
-Stage::Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
-             const StageSetting& setting)
-    : Stage(solids, cameras, setting) {
-  points_ = std::make_unique<DevicePoints>(passes, tables_, solids_, setting);
 }
 
 std::uint32_t Stage::most_pixel_stride() const {

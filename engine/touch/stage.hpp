@@ -36,12 +36,14 @@ class Stage {
   /// On the host, with room for any frame. Without cameras, every frame is a set of skin points. Throws bad_usage for
   /// invalid solids, cameras and parameters (prepare_solids, make_rays, check_parameters).
   explicit Stage(const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
-                 const StageSetting& setting = {});
+                 const StageSetting& setting = {})
+      : Stage(nullptr, solids, cameras, setting) {}
   /// The same with the points on a device (points/device_points.hpp has the limits). `passes` must outlive the stage
   /// and gets the pipelines that it needs. Uploads and waits. Throws failure if a table is larger than the device
   /// allows.
   Stage(Passes& passes, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras = {},
-        const StageSetting& setting = {});
+        const StageSetting& setting = {})
+      : Stage(&passes, solids, cameras, setting) {}
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
@@ -90,6 +92,8 @@ class Stage {
   std::span<const gpu::PassTime> times() const { return times_; }
 
  private:
+  Stage(Passes* passes, const std::vector<geometry::Solid>& solids, std::span<const sensing::Camera> cameras,
+        const StageSetting& setting);
   void start(Skin skin, double time_s);
 
   StageSetting setting_;

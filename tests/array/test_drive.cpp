@@ -3,6 +3,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -293,6 +294,22 @@ TEST(Medium, SoundSpeedAtATemperature) {
   EXPECT_ERROR(sound_speed_at(100.1), Exit::usage, "temperature 100.1");
   EXPECT_ERROR(sound_speed_at(std::nan("")), Exit::usage, "temperature nan");
   EXPECT_ERROR(sound_speed_at(INFINITY), Exit::usage, "temperature inf");
+}
+
+TEST(Drives, AreQuickForFewFociOfASlowSolver) {
+  constexpr double slot_s = 1.5e-3;
+  const auto quick = [](Solver solver, Constraint constraint, std::size_t transducers) {
+    return quick_foci(transducers, {.constraint = constraint, .solver = solver}, slot_s);
+  };
+  EXPECT_GT(quick(Solver::naive, Constraint::uniform, 3984), 1000U);
+  EXPECT_EQ(quick(Solver::gs_pat, Constraint::uniform, 3984), 3U);
+  EXPECT_EQ(quick(Solver::gs_pat, Constraint::uniform, 256), 58U);
+  EXPECT_EQ(quick(Solver::loudest, Constraint::uniform, 256), 1U);
+  EXPECT_EQ(quick(Solver::loudest, Constraint::normalise, 256), 58U);
+  EXPECT_EQ(quick(Solver::back_propagation, Constraint::clamp, 256), 1U);
+  const std::vector<Null> nulls(1);
+  const auto silent = std::make_shared<Nulls>(scattered(8, 1), Medium(), Directivity::omni, nulls);
+  EXPECT_EQ(quick_foci(256, {.solver = Solver::gs_pat, .nulls = silent}, slot_s), 0U);
 }
 
 /// What takes longer than 2 ms is solved by several threads.

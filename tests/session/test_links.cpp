@@ -43,9 +43,9 @@ TEST(Slots, AreCountedFromTheFirstToTheLastThatMaySound) {
   EXPECT_EQ((Slots{.from = 64, .until = 64}).count(), 0u);
   EXPECT_EQ((Slots{.from = 65, .until = 64}).count(), 0u) << "its time was over before it was played";
   EXPECT_EQ(Slots{}.cycle.slots_to_look_at(), most_cycle);
-  EXPECT_EQ((Cycle{.length = 10}).slots_to_look_at(), 10u);
-  EXPECT_TRUE((Cycle{.length = 10}).is_listed());
-  EXPECT_FALSE((Cycle{.too_long = true}).is_listed());
+  EXPECT_EQ((Cycle{Plays::pattern, 10}).slots_to_look_at(), 10u);
+  EXPECT_TRUE((Cycle{Plays::pattern, 10}).is_listed());
+  EXPECT_FALSE((Cycle{Plays::slot_by_slot}).is_listed());
 }
 
 TEST(Links, UnknownOnesAreRefusedWithTheKnownNames) {

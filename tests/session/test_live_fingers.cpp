@@ -208,7 +208,8 @@ TEST(LiveFingers, FociSoundOnTheSkinOfAFingerThatMovesOn) {
   plan.schedule = above.schedule;
   array::Voice& voice = plan.schedule.voices[0];
   voice.order = {0, 1, 2, 3, 4, 5};
-  ASSERT_TRUE(drives.make(plan));
+  SlotWork work;
+  ASSERT_TRUE(drives.make(plan, work));
   ASSERT_EQ(plan.cycle.length, 6U);
   array::DriveOptions on_finger = above.setting.drive;
   on_finger.transfer = &live;
@@ -221,6 +222,14 @@ TEST(LiveFingers, FociSoundOnTheSkinOfAFingerThatMovesOn) {
       ASSERT_NEAR(std::remainder(made[t].phase - right[t].phase, 2 * std::numbers::pi), 0, 1e-4);
     }
   }
+  // Slots that the plan does not list sound as in free air.
+  const std::uint64_t frames = live.stats().frames;
+  const array::Voice copy = voice;
+  plan.schedule.add_voice() = copy;
+  plan.schedule.voices[1].dwell_s = 1.637e-3;
+  EXPECT_FALSE(drives.make(plan, work));
+  EXPECT_EQ(live.stats().frames, frames);
+
   const FingerSoundStats stats = live.stats();
   EXPECT_GE(stats.answers, 1U);
   EXPECT_EQ(stats.not_found, 0U);

@@ -98,8 +98,7 @@ TEST(Output, FingersThatDifferInModulationAreSummedPerSlotWhetherListedOrNot) {
     const Plan plan = out.plan_of(schedule);
     EXPECT_EQ(plan.cycle.modulation_hz, 0.0);
     const bool repeats = modulation_hz == 200;  // after ten slots of 1.5 ms
-    EXPECT_EQ(plan.cycle.is_listed(), repeats);
-    EXPECT_EQ(plan.cycle.too_long, !repeats);
+    EXPECT_EQ(plan.cycle.plays, repeats ? Plays::pattern : Plays::slot_by_slot);
     if (repeats) {
       EXPECT_EQ(plan.cycle.length, 10u);
     }
@@ -113,14 +112,27 @@ TEST(Output, FingersThatDifferInModulationAreSummedPerSlotWhetherListedOrNot) {
   }
 }
 
-TEST(Output, APlanOfNoFingerIsNotTooLongButHasNothingToDrive) {
+TEST(Output, APlanHasTheFociOfDrivesOfOneFocusEach) {
+  Output out;
+  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+  const Plan one = out.plan_of(schedule);
+  ASSERT_EQ(one.foci.size(), 10u);
+  for (std::size_t slot = 0; slot < 10; ++slot)
+    EXPECT_EQ(one.foci[slot], schedule.voices[0].foci[schedule.voices[0].order[slot]]);
+  schedule.voices[0].foci_per_slot = 2;
+  EXPECT_TRUE(out.plan_of(schedule).foci.empty());
+  schedule.voices[0].foci_per_slot = 1;
+  schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0)).voices[0];
+  EXPECT_TRUE(out.plan_of(schedule).foci.empty());
+}
+
+TEST(Output, APlanOfNoFingerPlaysNothing) {
   Output out;
   Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
-  EXPECT_TRUE(plan.cycle.is_listed());
-  EXPECT_FALSE(plan.cycle.too_long);
+  EXPECT_EQ(plan.cycle.plays, Plays::pattern);
   plan = out.plan_of(array::Schedule());
-  EXPECT_FALSE(plan.cycle.is_listed());
-  EXPECT_FALSE(plan.cycle.too_long);
+  EXPECT_EQ(plan.cycle.plays, Plays::nothing);
+  EXPECT_EQ(plan.cycle.length, 0U);
 }
 
 TEST(Output, AReservedScratchNeverGrows) {

@@ -246,7 +246,9 @@ TEST(PlanThatAdvances, PlaysEachFocusAtItsTimeAndRepeatsItsSecondCycle) {
     EXPECT_EQ(to_link.slots.cycle.is_listed(), standing) << "a link that plays no plans gets no drives in them";
     if (!standing) continue;
     ASSERT_EQ(to_link.drives.size(), 10 * layout.transducers.size());
+    ASSERT_EQ(to_link.foci.size(), 10U);
     for (std::uint64_t slot = 0; slot < 10; ++slot) {
+      EXPECT_EQ(to_link.foci[slot], plan.schedule.voices[0].foci[order[slot]]);
       const auto drive = to_link.drives.subspan(slot * layout.transducers.size(), layout.transducers.size());
       EXPECT_TRUE(is_drive_for(drive, layout, plan.schedule.voices[0].foci[order[slot]])) << "the middle of the cycle";
     }

@@ -27,7 +27,7 @@ struct Player {
   Player() {
     touch.schedule = test::touching(Vec3(0, 0.15, 0));
     touch.schedule.time_s = 7;
-    touch.cycle.length = 2;
+    touch.cycle = {Plays::pattern, 2};
     touch.drives = loud;
     touch.drives.insert(touch.drives.end(), loud.begin(), loud.end());
   }
@@ -49,6 +49,30 @@ TEST(SafeLink, PassesEverythingOnAsItIsAndCopiesNothing) {
   EXPECT_EQ(p.spy.sent, (std::vector<const void*>{p.loud.data(), p.silent.data()}));
   EXPECT_EQ(p.spy.slots, (std::vector<std::uint64_t>{4, 9}));
   EXPECT_FALSE(safe.must_fade());
+}
+
+TEST(SafeLink, AllButACeilingOfZeroLeavesAPlannedDrivePlanned) {
+  struct Told : Link {
+    std::vector<bool> planned;
+    void plan(const PlayedPlan&) override {}
+    void send(std::uint64_t, std::span<const array::TransducerDrive>) override { planned.push_back(false); }
+    void send_planned(std::uint64_t, std::span<const array::TransducerDrive>) override { planned.push_back(true); }
+  };
+  const Player p;
+  std::atomic<double> gain{0.5};
+  for (const bool plain : {true, false}) {
+    Told told;
+    gain = 0.5;
+    SafeLink safe(told, 3, plain ? Safety() : Safety{.gain_now = &gain});
+    safe.plan(p.at(p.touch, 0));
+    safe.send_planned(0, p.loud);
+    safe.send_planned(1, p.silent);
+    safe.send(2, p.silent);
+    gain = 0;
+    safe.send_planned(3, p.loud);
+    safe.finish();
+    EXPECT_EQ(told.planned, (std::vector<bool>{true, true, false, plain, false})) << plain;
+  }
 }
 
 TEST(SafeLink, SilenceIsTheLastThingThatALinkGets) {

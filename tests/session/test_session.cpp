@@ -8,6 +8,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -156,6 +157,10 @@ TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
   const auto pressures = foci_pressures(session.plan(), session.setting());
   for (const double pressure : pressures[0])
     EXPECT_NEAR(pressure, 750, 2);
+  const bool timed = std::ranges::any_of(session.report().passes, [](const gpu::PassTime& pass) {
+    return std::string_view(pass.name) == "pressures";
+  });
+  EXPECT_EQ(timed, GetParam()) << "on the host, it is part of the drives";
 
   setting.solids[0].haptics.pressure_pa = 500;  // the solid's own value has precedence
   Session own = make(setting);
@@ -183,12 +188,53 @@ TEST(SessionPressures, HoldWhereSlotsDoNotRepeatSoonEnoughToBeListed) {
   array::Loudness loudness(setting.layout, setting.drive);
   SlotWork work;
   plan_slots(plan, work, &loudness, [](const auto&, const auto&) { FAIL() << "nothing is listed"; });
-  ASSERT_TRUE(plan.cycle.too_long);
+  ASSERT_EQ(plan.cycle.plays, Plays::slot_by_slot);
   const auto pressures = foci_pressures(plan, setting);
   for (int j = 0; j < 7; ++j) {
     EXPECT_NEAR(pressures[0][j], 1000, 5);
     EXPECT_NEAR(pressures[1][j], 500, 5);
   }
+}
+
+/// Fingers in two cubes, whose dwells do not repeat together.
+TEST_P(Touching, ASlowSolverIsNotLeftToTheOutput) {
+  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("openmpd")};
+  setting.solids.push_back(setting.solids[0]);
+  setting.solids[1].name = "other";
+  setting.solids[1].haptics.dwell_s = 1.637e-3;
+  setting.drive.constraint = array::Constraint::uniform;
+  constexpr std::uint64_t first = 777;
+  std::vector<glm::vec3> points = finger_at({0, -0.003, 0});
+  const std::vector<glm::vec3> others = finger_at({0.1, -0.003, 0});
+  points.insert(points.end(), others.begin(), others.end());
+  Transform T(1.0);
+  T[3] = Vec4(0.1, 0, 0, 1);
+  const auto touch = [&](Session& session) {
+    session.set_pose(1, T);
+    EXPECT_EQ(session.touch(points, 0, first).finger_count, 2U);
+  };
+  setting.drive.solver = array::Solver::gs_pat;
+  Session quick = make(setting);
+  touch(quick);
+  EXPECT_EQ(quick.plan().cycle.plays, Plays::slot_by_slot);
+  setting.drive.solver = array::Solver::loudest;
+  Session slow = make(setting);
+  touch(slow);
+  const Plan& plan = slow.plan();
+  ASSERT_EQ(plan.cycle.length, least_unrepeated_slots);
+  for (const std::uint64_t slot : {first, first + 7, first + least_unrepeated_slots - 1}) {
+    std::vector<array::SlotFocus> foci;
+    array::foci_of_slot(plan.schedule, slot, foci);
+    ASSERT_EQ(foci.size(), 2U);
+    const array::Drive expected = array::drive_for(setting.layout, foci, setting.drive);
+    const auto drive = plan.drive(slot, expected.size());
+    for (std::size_t t = 0; t < expected.size(); ++t)
+      ASSERT_NEAR(std::remainder(drive[t].phase - expected[t].phase, 2 * M_PI), 0, 1e-5) << slot;
+  }
+  setting.frame_by_frame = true;  // nothing waits for its slots
+  Session single = make(setting);
+  touch(single);
+  EXPECT_EQ(single.plan().cycle.plays, Plays::slot_by_slot);
 }
 
 TEST(Sessions, LetBoardsComputePhasesOnlyAtTheirOwnFrequency) {
@@ -250,7 +296,6 @@ TEST(OwnSolver, ListsSlotsThatDoNotRepeatSoonEnough) {
       plan, layout, {}, [&](const auto&, const auto&, const auto& foci, const auto&) { calls += foci.size() == 2; },
       work);
   EXPECT_TRUE(plan.cycle.is_listed()) << "the output must not wait for the solver";
-  EXPECT_FALSE(plan.cycle.too_long);
   EXPECT_EQ(calls, most_cycle);
   EXPECT_EQ(plan.drives.size(), most_cycle * layout.transducers.size());
 }

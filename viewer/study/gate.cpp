@@ -125,7 +125,7 @@ void GateLink::plan(const session::PlayedPlan& plan) {
   link_->plan(plan);
 }
 
-void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
   const Gate::Clock::time_point now = Gate::Clock::now();
   if (gate_->is_open(now)) {
     // What sounds from here on began with an earlier plan.
@@ -133,7 +133,7 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
       gate_->note({.from = slot, .until = newest_.until, .schedule = newest_.schedule});
     const bool after_silence = !gate_->sounding(now);
     gate_->note(slot, drive, now);
-    link_->send(slot, drive);
+    planned ? link_->send_planned(slot, drive) : link_->send(slot, drive);
     if (!see_arrivals(now)) {
       gate_->unheard_since_ = Gate::closed;
     } else if (session::sounds(drive) && (after_silence || gate_->unheard_since_ == Gate::closed)) {

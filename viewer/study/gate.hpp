@@ -121,12 +121,16 @@ class GateLink final : public session::Link {
   ~GateLink() override;
 
   void plan(const session::PlayedPlan& plan) override;
-  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override { send(slot, drive, false); }
+  void send_planned(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    send(slot, drive, true);
+  }
   bool plays_plans() const override { return link_->plays_plans(); }
   void finish() override { link_->finish(); }
   std::optional<session::Carried> carried() const override;
 
  private:
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void shut(std::uint64_t slot);
   bool see_arrivals(Gate::Clock::time_point now);
 

@@ -13,6 +13,7 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
+#include "base/math.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/slots.hpp"
 
@@ -38,10 +39,9 @@ struct LinkSetting {
 /// own clock. The referenced data is valid during the call only. Nothing is copied for a link that does not need it.
 struct PlayedPlan {
   const array::Schedule& schedule;  ///< when each focus plays; no voices: silence. Its slot_s is the length of a slot
-  /// If the cycle is not listed and there are voices, drives come only through send(). The same holds for a caller that
-  /// has only a schedule.
-  Slots slots{};
+  Slots slots{};                    ///< unless they play a pattern, drives come only through send()
   std::span<const array::TransducerDrive> drives{};  ///< slots.cycle.length drives, each with one entry per transducer
+  std::span<const Vec3> foci{};                      ///< the focus of each drive, if each has exactly one; else empty
 };
 
 /// All calls come from one thread, the output thread. If a link fails, it throws Error. The loop then sends silence,
@@ -58,6 +58,10 @@ class Link {
   /// The drive of slot `slot`, one entry per transducer in layout order, at the slot's time. Called for every slot;
   /// slots that the output thread missed are skipped, so numbers ascend, possibly with gaps.
   virtual void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) = 0;
+
+  /// The same for the drive that the last plan has at that slot. Where a link plays plans by its own clock, an all-zero
+  /// one is a pause of the pattern and not its end.
+  virtual void send_planned(std::uint64_t slot, std::span<const array::TransducerDrive> drive) { send(slot, drive); }
 
   /// Whether it plays the listed drives of plans by its own clock. Other links may get plans whose drives are not
   /// listed.

@@ -62,6 +62,7 @@ SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, do
   for (Sound* sound : {&kept_, &scaled_}) {
     array::reserve(sound->schedule, touch::max_fingers, touch::max_foci);
     sound->drives.reserve(most_cycle * transducers);
+    sound->foci.reserve(most_cycle);
   }
   scaled_drive_.reserve(transducers);
   last_ = silence_;
@@ -94,6 +95,7 @@ void SafeLink::plan(const PlayedPlan& plan) {
   kept_.schedule.advance = {};  // the drives that a link gets are of foci that stand
   kept_.cycle = plan.slots.cycle;
   kept_.drives.assign(plan.drives.begin(), plan.drives.end());
+  kept_.foci.assign(plan.foci.begin(), plan.foci.end());
   until_slot_ = plan.slots.until;
   on_ = true;
   pass_on_scaled(plan.slots.from, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : ceiling());
@@ -103,14 +105,14 @@ HandOver SafeLink::handed_over() const {
   return {passed_, link_.carried()};
 }
 
-void SafeLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+void SafeLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
   if (ended_) return;
   if (plain()) {
-    pass_on(slot, drive);
+    pass_on(slot, drive, planned);
   } else if (!ramped()) {
-    send_scaled(slot, drive, ceiling());
+    send_scaled(slot, drive, ceiling(), planned);
   } else {
-    send_ramped(slot, drive);
+    send_ramped(slot, drive, planned);
   }
 }
 
@@ -124,7 +126,7 @@ void SafeLink::finish() {
   ended_ = true;
   std::exception_ptr fault;
   keep_error(fault, [&] { link_.plan({.schedule = nothing_, .slots = {next_slot_, next_slot_}}); });
-  keep_error(fault, [&] { hand_over(next_slot_, silence_, false); });
+  keep_error(fault, [&] { hand_over(next_slot_, silence_, false, false); });
   keep_error(fault, [&] { link_.finish(); });
   if (fault) std::rethrow_exception(fault);
 }
@@ -136,10 +138,13 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   passed_factor_ = factor;
   passed_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
-  pass_on({.schedule = scaled_.schedule, .slots = {from_slot, until_slot_, scaled_.cycle}, .drives = scaled_.drives});
+  pass_on({.schedule = scaled_.schedule,
+           .slots = {from_slot, until_slot_, scaled_.cycle},
+           .drives = scaled_.drives,
+           .foci = scaled_.foci});
 }
 
-void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
   const bool audible = sounds(drive);
   on_ = on_ || audible;  // drives without a plan also sound
   const bool fading = !on_ && must_fade();
@@ -154,13 +159,14 @@ void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::Transducer
     const bool due = static_cast<double>(slot - passed_slot_) * slot_s_ >= replan_s;
     if (due || up_ == ramp_drives_) pass_on_scaled(slot, factor(up_));
   }
-  send_scaled(slot, fading ? std::span<const array::TransducerDrive>(last_) : drive, factor(up_));
+  send_scaled(slot, fading ? std::span<const array::TransducerDrive>(last_) : drive, factor(up_), planned);
 }
 
-void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor) {
+void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor,
+                           bool planned) {
   scaled_drive_.assign(drive.begin(), drive.end());
   scale(scaled_drive_, factor);
-  pass_on(slot, scaled_drive_);
+  pass_on(slot, scaled_drive_, planned && factor > 0);  // a ceiling of 0 is silence, whatever the plan has
 }
 
 void SafeLink::pass_on(const PlayedPlan& plan) {
@@ -168,15 +174,16 @@ void SafeLink::pass_on(const PlayedPlan& plan) {
   link_.plan(plan);
 }
 
-void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive) {
+void SafeLink::pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
   next_slot_ = slot;  // if the link fails, silence takes this drive's place
   const bool audible = sounds(drive);
   if (audible) ++passed_.drives;
-  hand_over(slot, drive, audible);
+  hand_over(slot, drive, audible, planned);
 }
 
-void SafeLink::hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible) {
-  link_.send(slot, drive);
+void SafeLink::hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible,
+                         bool planned) {
+  planned ? link_.send_planned(slot, drive) : link_.send(slot, drive);
   next_slot_ = slot + 1;  // the slot is taken, even if the observer throws
   if (sent_) sent_(audible, handed_over());
 }

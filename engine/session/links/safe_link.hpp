@@ -48,7 +48,10 @@ class SafeLink final : public Link {
   SafeLink& operator=(const SafeLink&) = delete;
 
   void plan(const PlayedPlan& plan) override;
-  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override;
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override { send(slot, drive, false); }
+  void send_planned(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    send(slot, drive, true);
+  }
   /// The slot after the last one sent.
   std::uint64_t next_slot() const { return next_slot_; }
 
@@ -72,11 +75,12 @@ class SafeLink final : public Link {
   bool ramped() const { return safety_.ramp_s > 0; }
   double factor(std::uint32_t up) const { return ceiling() * up / ramp_drives_; }
   void pass_on_scaled(std::uint64_t from_slot, double factor);
-  void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive);
-  void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor);
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
+  void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
+  void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor, bool planned);
   void pass_on(const PlayedPlan& plan);
-  void pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive);
-  void hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible);
+  void pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
+  void hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible, bool planned);
 
   Link& link_;
   Safety safety_;
@@ -93,6 +97,7 @@ class SafeLink final : public Link {
     array::Schedule schedule;
     Cycle cycle;
     array::Drive drives;
+    std::vector<Vec3> foci;
   };
 
   // Only if amplitudes change.

@@ -12,20 +12,26 @@ namespace palpa::session {
 /// The maximum number of drives that a plan lists.
 inline constexpr std::uint32_t most_cycle = 128;
 
+/// What the slots of a plan play.
+enum class Plays : std::uint32_t {
+  nothing,  ///< there is no finger or no array: silence
+  pattern,  ///< the drives that the plan lists
+  /// A drive of its own in each slot, known when the slot plays: the schedule does not repeat within most_cycle slots
+  /// (odd dwells with several modulations), or, for a link, foci or gains change from cycle to cycle.
+  slot_by_slot,
+};
+
 /// The cycle that repeats in the slots of a plan, and the modulation of all slots.
 struct Cycle {
-  /// Number of drives that the plan lists; slot s plays drive s % length. At most most_cycle. 0: the plan lists none.
+  Plays plays = Plays::nothing;
+  /// Number of drives that a pattern lists; slot s plays drive s % length. At most most_cycle. Otherwise 0.
   std::uint32_t length = 0;
-  /// The reason why the plan lists no drives. True: its schedule does not repeat within most_cycle slots (odd dwells
-  /// with several modulations), so the drive of each slot is computed when the slot plays. False: there is nothing to
-  /// drive, because there is no finger or no array.
-  bool too_long = false;
   /// If not 0, the listed drives do not include the modulation that all fingers share. The amplitudes of slot s must be
   /// multiplied by array::modulation_gain(modulation, modulation_hz, (s + 0.5) * slot_s).
   double modulation_hz = 0;
   array::Modulation modulation = array::Modulation::pressure_sine;
 
-  bool is_listed() const { return length > 0; }
+  bool is_listed() const { return plays == Plays::pattern; }
   /// The number of slots, from slot 0 on, that represent all slots: one cycle, or most_cycle if the plan lists no
   /// drives.
   std::uint32_t slots_to_look_at() const { return is_listed() ? length : most_cycle; }

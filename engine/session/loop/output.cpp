@@ -114,7 +114,11 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
       safe.plan({.schedule = nothing, .slots = {slot, slot}});
     }
     sounding = !silent;
-    safe.send(slot, silent ? silence(setting, scratch.drive) : drive_of_slot(plan, slot, now_s, setting, scratch));
+    if (silent) {
+      safe.send(slot, silence(setting, scratch.drive));
+    } else {
+      safe.send_planned(slot, drive_of_slot(plan, slot, now_s, setting, scratch));
+    }
     stats.sent(std::max(now_s - due_s, 0.0), silent);
     // Late by a whole slot or more: the slots in between are over.
     const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/error.hpp"
+#include "touch/pass_watch.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -24,15 +25,19 @@ DeviceDrives::DeviceDrives(const gpu::Device& device, const SessionSetting& sett
   read_times_.reserve(most_passes);
 }
 
-bool DeviceDrives::start(Plan& plan, SlotWork& work) {
+bool DeviceDrives::start(Plan& plan, SlotWork& work, std::vector<gpu::PassTime>& times) {
+  touch::PassWatch watch(times);
   memory_.clear();
   plan_slots(plan, work, loudness_, [&](const auto& foci, const auto& factors) {
     const bool fits = factors.empty() ? memory_.add_slot(foci) : memory_.add_slot(foci, factors);
     if (!fits) throw failure("a frame has more foci than its buffers hold");
   });
+  if (loudness_) watch.mark("pressures");
   if (!plan.cycle.is_listed()) return false;
   submit();
+  touch::PassWatch host_watch(times);
   memory_.solve_on_host();
+  if (memory_.host_slots() > 0) host_watch.mark("drives on the host");
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include "array/loudness.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/device.hpp"
+#include "gpu/pass_time.hpp"
 #include "gpu/timestamps.hpp"
 #include "session/plan/plan.hpp"
 #include "session/plan/setting.hpp"
@@ -20,9 +21,9 @@ class DeviceDrives {
   DeviceDrives(const gpu::Device& device, const SessionSetting& setting, const array::DrivePasses& passes,
                array::Loudness* loudness);
 
-  /// Fills the cycle of a plan that has its schedule, and starts to compute the drives that it lists. Returns whether
-  /// there are any to wait for.
-  bool start(Plan& plan, SlotWork& work);
+  /// Fills the cycle of a plan that has its schedule, and starts to compute the drives that it lists. Adds the time of
+  /// the host's part to `times`. Returns whether there are any drives to wait for.
+  bool start(Plan& plan, SlotWork& work, std::vector<gpu::PassTime>& times);
   /// Waits for the drives of the plan that was started, and adds their time to `times`.
   void finish(Plan& plan, std::vector<gpu::PassTime>& times);
   /// Dispatches all kernels once, because drivers compile a kernel when it is first dispatched.

@@ -14,11 +14,13 @@ FingerDrives::FingerDrives(const SessionSetting& setting, const Scheduler& sched
   array::reserve(scratch_, layout_, drive_, touch::max_fingers);
 }
 
-bool FingerDrives::make(Plan& plan) {
-  if (!sounds_.take(plan.schedule)) return false;
+bool FingerDrives::make(Plan& plan, SlotWork& work) {
+  static const array::Schedule nothing;
+  begin_slots(plan, work);
+  if (!sounds_.take(plan.cycle.is_listed() ? plan.schedule : nothing)) return false;
   const std::size_t transducers = layout_.transducers.size();
   plan.drives.clear();
-  plan_slots(plan, work_, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
+  plan_slots(plan, work, loudness_ ? &*loudness_ : nullptr, [&](const auto& foci, const auto& factors) {
     plan.drives.resize(plan.drives.size() + transducers);
     const std::span<array::TransducerDrive> out = std::span(plan.drives).last(transducers);
     if (!factors.empty()) {

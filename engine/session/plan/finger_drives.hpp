@@ -17,9 +17,9 @@ namespace palpa::session {
 class FingerDrives {
  public:
   FingerDrives(const SessionSetting& setting, const Scheduler& scheduler, FingerSounds& sounds);
-  /// Fills cycle and drives if the sound is known at some of the schedule's foci. Otherwise returns false, and changes
-  /// nothing. Slots of schedules that are not listed are not its matter: they sound as in free air.
-  bool make(Plan& plan);
+  /// Fills cycle and drives if the plan lists its slots, and if the sound is known at some of its foci. Otherwise
+  /// returns false: all slots then sound as in free air.
+  bool make(Plan& plan, SlotWork& work);
 
  private:
   void drive_one(const array::SlotFocus& focus, std::span<array::TransducerDrive> out);
@@ -27,7 +27,6 @@ class FingerDrives {
   const array::Layout& layout_;
   FingerSounds& sounds_;
   array::DriveOptions in_free_air_, drive_;
-  SlotWork work_;
   array::DriveScratch scratch_;
   std::optional<array::Loudness> loudness_;
 };

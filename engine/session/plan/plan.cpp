@@ -20,23 +20,37 @@ void list_advance(Plan& plan, bool lists_standing) {
   plan.standing = 0;
 }
 
+std::size_t foci_together(const array::Schedule& schedule) {
+  std::size_t foci = 0;
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v)
+    foci += schedule.voices[v].foci_per_slot;
+  return foci;
+}
+
 }  // namespace
 
 void reserve(Plan& plan, std::size_t transducers) {
   array::reserve(plan.schedule, touch::max_fingers, touch::max_foci);
   plan.drives.reserve(most_cycle * transducers);
+  plan.foci.reserve(most_cycle);
 }
 
-array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness) {
+void reserve(SlotWork& work) {
+  array::reserve(work.unmodulated, touch::max_fingers, touch::max_foci);
+  work.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
+}
+
+array::Schedule& begin_slots(Plan& plan, SlotWork& work) {
   array::Schedule& schedule = plan.schedule;
   Cycle& cycle = plan.cycle;
   const bool silent = schedule.voice_count == 0;
+  const bool asked = array::Loudness::asked(schedule);
   const bool one_gain = !silent && array::shared_modulation(schedule);
   cycle.modulation_hz = one_gain ? schedule.voices[0].modulation_hz : 0.0;
   plan.course = one_gain ? schedule.voices[0].course : array::Course();
   if (cycle.modulation_hz != 0) cycle.modulation = schedule.voices[0].modulation;
   plan.standing = 0;
-  if (silent || loudness != nullptr) schedule.advance = {};
+  if (silent || asked) schedule.advance = {};
   array::Schedule* planned = &schedule;
   if (cycle.modulation_hz != 0 || plan.course.changes()) {
     work.unmodulated = schedule;
@@ -47,28 +61,35 @@ array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudne
     planned = &work.unmodulated;
   }
   cycle.length = silent ? 0 : static_cast<std::uint32_t>(array::cycle_length(*planned, most_cycle));
-  if (!silent && !cycle.is_listed() && work.lists_always) cycle.length = most_cycle;
-  cycle.too_long = !silent && !cycle.is_listed();
+  work.first_listed = 0;
+  if (!silent && cycle.length == 0 && !asked && foci_together(schedule) > work.most_unlisted_foci) {
+    cycle.length = work.unrepeated;
+    work.first_listed = std::max(array::first_changing_slot(*planned), work.first_slot);
+  }
+  cycle.plays = silent ? Plays::nothing : cycle.length > 0 ? Plays::pattern : Plays::slot_by_slot;
   if (schedule.advance.moves()) {
     list_advance(plan, work.lists_standing);
     planned->advance = schedule.advance;
   }
-  if (loudness == nullptr) return *planned;
+  return *planned;
+}
+
+void solve_pressures(Plan& plan, array::Schedule& planned, SlotWork& work, array::Loudness& loudness) {
+  array::Schedule& schedule = plan.schedule;
   // If slots do not repeat soon enough, they are solved when they play. The first most_cycle slots, with the full gains
   // of all voices, determine their loudness.
-  array::Schedule* loudest = planned;
-  if (array::changes(*planned)) {
+  array::Schedule* loudest = &planned;
+  if (array::changes(planned)) {
     work.unmodulated = schedule;
     for (std::uint32_t v = 0; v < work.unmodulated.voice_count; ++v)
       work.unmodulated.voices[v].course = {};
     loudest = &work.unmodulated;
   }
-  loudness->solve(*loudest, cycle.slots_to_look_at());
+  loudness.solve(*loudest, plan.cycle.slots_to_look_at());
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     schedule.voices[v].target_pa = loudest->voices[v].target_pa;
     schedule.voices[v].reached_pa = loudest->voices[v].reached_pa;
   }
-  return *planned;
 }
 
 void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, SlotWork& work,
@@ -83,7 +104,8 @@ void drive_on_host(Plan& plan, const array::Layout& layout, const array::DriveOp
 void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOptions& options, const OwnSolver& solver,
                   SlotWork& work) {
   const std::size_t transducers = layout.transducers.size();
-  work.lists_always = true;
+  work.most_unlisted_foci = 0;
+  work.unrepeated = most_cycle;
   plan.drives.clear();
   plan_slots(plan, work, nullptr, [&](const auto& foci, const auto&) {
     plan.drives.resize(plan.drives.size() + transducers, {0.0F, 0.0F});
@@ -94,18 +116,20 @@ void drive_by_own(Plan& plan, const array::Layout& layout, const array::DriveOpt
 PlayedPlan played(const Plan& plan, std::size_t transducers, std::uint64_t from, std::uint64_t until) {
   if ((plan.schedule.advance.moves() && plan.standing == 0) || array::changes(plan.schedule)) {
     Cycle unlisted = plan.cycle;
+    unlisted.plays = Plays::slot_by_slot;
     unlisted.length = 0;
-    unlisted.too_long = true;
     return {.schedule = plan.schedule, .slots = {from, until, unlisted}};
   }
   return {.schedule = plan.schedule,
           .slots = {from, until, plan.cycle},
-          .drives = std::span(plan.drives).first(plan.cycle.length * transducers)};
+          .drives = std::span(plan.drives).first(plan.cycle.length * transducers),
+          .foci = plan.foci};
 }
 
 void list_nothing(Plan& plan) {
+  plan.cycle.plays = Plays::nothing;
   plan.cycle.length = 0;
-  plan.cycle.too_long = false;
+  plan.foci.clear();
   plan.course = {};
   plan.standing = 0;
 }

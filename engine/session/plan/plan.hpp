@@ -2,8 +2,10 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "array/loudness.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_drives.hpp"
+#include "base/math.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"
 
@@ -19,8 +22,8 @@ namespace palpa::session {
 /// The schedule of one frame, solved for a layout.
 ///
 /// A schedule repeats after its cycle, so the drives of one cycle are sufficient. If all fingers share a modulation and
-/// a course, the output applies both as one gain per slot. If the cycle is too_long, the output computes each slot's
-/// drive itself.
+/// a course, the output applies both as one gain per slot. If it plays slot_by_slot, the output computes each slot's
+/// drive itself, which must be quick.
 ///
 /// If its foci advance, a plan lists more: the drives of all slots that differ (array::Advance), and before them, for a
 /// link that plays plans by its own clock, one cycle of foci that stand where they are in the middle of the first
@@ -33,6 +36,7 @@ struct Plan {
   array::Course course;        ///< of all fingers, if they share one: the listed drives do not include it
   std::uint32_t standing = 0;  ///< the drives of the cycle of standing foci, if foci advance: cycle.length or 0
   std::vector<array::TransducerDrive> drives;  ///< listed() * transducers
+  std::vector<Vec3> foci;  ///< of the first cycle.length drives, if each is that of one focus; else empty
 
   /// The number of drives.
   std::uint32_t listed() const {
@@ -58,19 +62,32 @@ void list_nothing(Plan& plan);
 /// running loop then allocates nothing.
 void reserve(Plan& plan, std::size_t transducers);
 
-/// Scratch memory for planning slots; keeps its storage.
+/// A frame of a camera with 90 Hz lasts 7.4 slots.
+inline constexpr std::uint32_t least_unrepeated_slots = 20;
+
+/// Rules and scratch memory for planning slots; keeps its storage.
 struct SlotWork {
   bool lists_standing = false;  ///< the link plays plans by its own clock
-  /// If a schedule does not repeat soon enough, the plan lists its first most_cycle slots, which then repeat.
-  bool lists_always = false;
+  /// If a schedule does not repeat soon enough, and more foci than this sound together, the output would not be quick.
+  /// The plan then lists the first `unrepeated` slots that play it, which repeat. Not if foci request a pressure.
+  std::size_t most_unlisted_foci = std::numeric_limits<std::size_t>::max();
+  std::uint32_t unrepeated = least_unrepeated_slots;
+  std::uint64_t first_slot = 0;  ///< that plays the plan, if it is known
+
+  std::uint64_t first_listed = 0;  ///< begin_slots: the drives are those of this slot and the following ones
   array::Schedule unmodulated;
   std::vector<array::SlotFocus> foci;
 };
 
-/// Fills cycle, advance and pressures; returns the schedule whose slots are to be planned. Foci that advance stand
-/// still if they request a pressure, because its factors belong to the places of all foci, or if there are too many
-/// drives to list.
-array::Schedule& begin_slots(Plan& plan, SlotWork& work, array::Loudness* loudness);
+/// Reserves the memory that planning a live frame can need.
+void reserve(SlotWork& work);
+
+/// Fills cycle and advance; returns the schedule whose slots are to be planned. Foci that advance stand still if they
+/// request a pressure, because its factors belong to the places of all foci, or if there are too many drives to list.
+array::Schedule& begin_slots(Plan& plan, SlotWork& work);
+
+/// Solves the slots for the requested pressures, and fills in those that the voices reach. `planned`: of begin_slots.
+void solve_pressures(Plan& plan, array::Schedule& planned, SlotWork& work, array::Loudness& loudness);
 
 /// Foci that advance have at least two cycles, and as many as there are in this many slots.
 inline constexpr std::uint32_t least_advance_slots = 20;
@@ -81,30 +98,33 @@ inline constexpr std::uint32_t least_advance_slots = 20;
 /// reach are filled in.
 template <typename Add>
 void plan_slots(Plan& plan, SlotWork& work, array::Loudness* loudness, Add add) {
+  array::Schedule& planned = begin_slots(plan, work);
   const bool asked = loudness != nullptr && array::Loudness::asked(plan.schedule);
-  array::Schedule& planned = begin_slots(plan, work, asked ? loudness : nullptr);
+  if (asked) solve_pressures(plan, planned, work, *loudness);
   const array::Advance advance = planned.advance;
   const auto add_slot = [&](std::uint64_t slot, std::uint32_t number) {
     array::foci_of_slot(planned, slot, work.foci);
     add(work.foci, asked ? loudness->factors(number) : std::span<const std::complex<double>>());
   };
-  const auto add_slots = [&](std::uint64_t first, std::uint32_t count) {
-    for (std::uint32_t number = 0; number < count; ++number)
-      add_slot(first + number, number);
+  const auto add_cycle = [&](std::uint32_t length) {
+    for (std::uint32_t number = 0; number < length; ++number) {
+      const std::uint64_t turned = length - work.first_listed % length;
+      add_slot(work.first_listed + (number + turned) % length, number);
+      if (work.foci.size() == 1) plan.foci.push_back(work.foci[0].position);
+    }
+    if (plan.foci.size() < length) plan.foci.clear();
   };
+  plan.foci.clear();
   if (!plan.cycle.is_listed()) return;
   if (!advance.moves()) {
-    // If gains change, each drive is that of the first slot that plays it from then on.
-    const std::uint32_t length = plan.cycle.length;
-    const std::uint64_t first = array::first_changing_slot(planned), turned = length - first % length;
-    for (std::uint32_t number = 0; number < length; ++number)
-      add_slot(first + (number + turned) % length, number);
+    add_cycle(plan.cycle.length);
     return;
   }
   planned.advance = {};
-  add_slots(0, plan.standing);
+  add_cycle(plan.standing);
   planned.advance = advance;
-  add_slots(advance.first_slot, advance.listed());
+  for (std::uint32_t number = 0; number < advance.listed(); ++number)
+    add_slot(advance.first_slot + number, number);
 }
 
 /// Fills a plan's drives on the host. `loudness`, made for this layout and these options, is needed if fingers may

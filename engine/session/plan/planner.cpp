@@ -62,6 +62,12 @@ class FramePlanner : public Planner {
     if (drives && scheduler.needs_pressures()) loudness_.emplace(setting.layout, setting.drive);
     if (drives && sounds) on_fingers_.emplace(setting, scheduler, *sounds);
     if (drives && device) drive_passes_.emplace(*device, setting.drive.solver);
+    reserve(slot_work_);
+    // Nothing waits for the slots of single frames.
+    if (drives && !setting.frame_by_frame) {
+      slot_work_.most_unlisted_foci =
+          array::quick_foci(setting.layout.transducers.size(), setting.drive, scheduler.slot_s());
+    }
     if (drives && !device && setting.live())
       slot_drives_.reserve(setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers);
     // Frames overlap only where the device computes drives.
@@ -74,8 +80,6 @@ class FramePlanner : public Planner {
       reserve(flight->plan, setting.live() ? setting.layout.transducers.size() : 0);
       flight->times.reserve(most_times);
     }
-    array::reserve(slot_work_.unmodulated, touch::max_fingers, touch::max_foci);
-    slot_work_.foci.reserve(std::size_t{touch::max_fingers} * touch::max_foci);
   }
 
   /// Not before the drives of the current frame are submitted; otherwise, they would come after all of the next frame's
@@ -189,6 +193,7 @@ class FramePlanner : public Planner {
     const touch::Touch& touch = predictor_ ? predictor_->see(flight.touch, time_s, first, flight.kept) : flight.touch;
     scheduler_.make(touch, time_s, flight.plan.schedule,
                     {setting_.follow, first ? std::optional(first->slot) : std::nullopt});
+    slot_work_.first_slot = first ? first->slot : 0;
     if (predictor_) flight.report.prediction = predictor_->advance(flight.plan.schedule);
   }
 
@@ -204,11 +209,11 @@ class FramePlanner : public Planner {
       watch.mark("own solver");
       return false;
     }
-    if (on_fingers_ && on_fingers_->make(plan)) {
+    if (on_fingers_ && on_fingers_->make(plan, slot_work_)) {
       watch.mark("drives on fingers");
       return false;
     }
-    if (flight.drives) return flight.drives->start(plan, slot_work_);
+    if (flight.drives) return flight.drives->start(plan, slot_work_, flight.times);
     drive_on_host(plan, setting_.layout, setting_.drive, slot_work_, loudness_ ? &*loudness_ : nullptr, slot_drives_);
     watch.mark("drives");
     return false;

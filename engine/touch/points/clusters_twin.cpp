@@ -9,7 +9,6 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 #include "shaders/touch/clusters/clusters_math.h"
@@ -20,32 +19,17 @@ namespace {
 
 using shader::Float3;
 
-struct Key {
-  std::int32_t x, y, z;
-  std::uint32_t solid;
-  bool operator==(const Key&) const = default;
-};
+using Key = ClusterWork::Key;
+using Tile = ClusterWork::Tile;
+using Cell = ClusterWork::Cell;
 
-struct KeyHash {
-  std::size_t operator()(const Key& k) const {
-    std::uint64_t h = static_cast<std::uint32_t>(k.x) * 0x9e3779b97f4a7c15ULL;
-    h = (h ^ static_cast<std::uint32_t>(k.y)) * 0xc2b2ae3d27d4eb4fULL;
-    h = (h ^ static_cast<std::uint32_t>(k.z)) * 0x165667b19e3779f9ULL;
-    h = (h ^ k.solid) * 0x9e3779b97f4a7c15ULL;
-    return h ^ h >> 32;
-  }
-};
-
-/// 4x4x4 cells; `key` counts tiles.
-struct Tile {
-  Key key;
-  std::uint64_t cells = 0;       ///< the cells that hold contacts, as bits
-  std::uint32_t first_cell = 0;  ///< the cells are numbered consecutively in the order of the bits
-};
-
-struct Cell {
-  std::uint32_t begin, end;  ///< in the contacts sorted by cell
-};
+std::size_t hash_of(const Key& k) {
+  std::uint64_t h = static_cast<std::uint32_t>(k.x) * 0x9e3779b97f4a7c15ULL;
+  h = (h ^ static_cast<std::uint32_t>(k.y)) * 0xc2b2ae3d27d4eb4fULL;
+  h = (h ^ static_cast<std::uint32_t>(k.z)) * 0x165667b19e3779f9ULL;
+  h = (h ^ k.solid) * 0x9e3779b97f4a7c15ULL;
+  return h ^ h >> 32;
+}
 
 constexpr int tile_side = 4;
 constexpr std::size_t tile_cells = 64;
@@ -104,64 +88,86 @@ std::uint32_t number_of(const Tile& tile, std::size_t cell) {
   return tile.first_cell + static_cast<std::uint32_t>(std::popcount(tile.cells & (bit(cell) - 1)));
 }
 
-/// Finds each contact's cluster: its smallest contact.
+constexpr std::uint32_t none = shader::clusters_nothing;
+
+std::size_t table_size(std::size_t contacts) {
+  return std::bit_ceil(2 * contacts);
+}
+
+/// Finds each contact's cluster: its smallest contact, in `work.smallest`.
 class Clustering {
  public:
-  Clustering(const std::vector<Contact>& contacts, const PreparedSolids& solids, float gap)
-      : contacts_(contacts), limit_(gap * gap), smallest_(contacts.size()) {
-    sort_into_cells(solids, cells_per_metre(gap));
-    std::iota(smallest_.begin(), smallest_.end(), 0U);
+  Clustering(const std::vector<Contact>& contacts, float gap, ClusterWork& work)
+      : contacts_(contacts), gap_(gap), limit_(gap * gap), work_(work) {}
+
+  void find(const PreparedSolids& solids) {
+    sort_into_cells(solids, cells_per_metre(gap_));
+    work_.smallest.resize(contacts_.size());
+    std::iota(work_.smallest.begin(), work_.smallest.end(), 0U);
     // Touching cells come first: most other pairs are then already in one cluster.
     for (const std::size_t distance : {0U, 1U}) {
-      for (const Tile& tile : tiles_)
+      for (const Tile& tile : work_.tiles)
         link(tile, distance);
     }
-    for (const Cell& cell : cells_) {
-      const std::uint32_t root = find_root(smallest_, sorted_[cell.begin]);
+    for (const Cell& cell : work_.cells) {
+      const std::uint32_t root = find_root(work_.smallest, work_.sorted[cell.begin]);
       for (std::uint32_t k = cell.begin; k < cell.end; ++k)
-        smallest_[sorted_[k]] = root;
+        work_.smallest[work_.sorted[k]] = root;
     }
   }
 
-  const std::vector<std::uint32_t>& smallest() const { return smallest_; }
-
  private:
+  /// The entry of the table that has the tile's number, or else the empty one where it would be.
+  std::uint32_t& entry_of(const Key& key) {
+    const std::size_t mask = work_.table.size() - 1;
+    std::size_t at = hash_of(key) & mask;
+    while (work_.table[at] != none && work_.tiles[work_.table[at]].key != key)
+      at = (at + 1) & mask;
+    return work_.table[at];
+  }
+
+  std::uint32_t tile_of(const Key& key) {
+    std::uint32_t& entry = entry_of(key);
+    if (entry == none) {
+      entry = static_cast<std::uint32_t>(work_.tiles.size());
+      work_.tiles.push_back({key});
+    }
+    return entry;
+  }
+
   void sort_into_cells(const PreparedSolids& solids, float density) {
-    struct Place {
-      std::uint32_t tile, cell;  // the cell, first as a bit of its tile, later as its number
-    };
-    std::vector<Place> places;
-    places.reserve(contacts_.size());
+    std::vector<Tile>& tiles = work_.tiles;
+    std::vector<Cell>& cells = work_.cells;
+    std::vector<ClusterWork::Place>& places = work_.places;
+    work_.table.assign(table_size(contacts_.size()), none);
+    tiles.clear();
+    places.clear();
     for (const Contact& contact : contacts_) {
       const auto [key, cell] = cell_of(contact, solids, density);
-      if (places.empty() || tiles_[places.back().tile].key != key) {
-        const auto [at, fresh] = by_key_.try_emplace(key, static_cast<std::uint32_t>(tiles_.size()));
-        if (fresh) tiles_.push_back({key});
-        places.push_back({at->second, static_cast<std::uint32_t>(cell)});
-      } else {
-        places.push_back({places.back().tile, static_cast<std::uint32_t>(cell)});
-      }
-      tiles_[places.back().tile].cells |= bit(cell);
+      const bool same = !places.empty() && tiles[places.back().tile].key == key;
+      const std::uint32_t tile = same ? places.back().tile : tile_of(key);
+      places.push_back({tile, static_cast<std::uint32_t>(cell)});
+      tiles[tile].cells |= bit(cell);
     }
-    std::uint32_t cells = 0;
-    for (Tile& tile : tiles_) {
-      tile.first_cell = cells;
-      cells += static_cast<std::uint32_t>(std::popcount(tile.cells));
+    std::uint32_t count = 0;
+    for (Tile& tile : tiles) {
+      tile.first_cell = count;
+      count += static_cast<std::uint32_t>(std::popcount(tile.cells));
     }
-    cells_.resize(cells);
-    for (Place& place : places) {
-      place.cell = number_of(tiles_[place.tile], place.cell);
-      ++cells_[place.cell].end;
+    cells.assign(count, {});
+    for (ClusterWork::Place& place : places) {
+      place.cell = number_of(tiles[place.tile], place.cell);
+      ++cells[place.cell].end;
     }
     std::uint32_t sum = 0;
-    for (Cell& cell : cells_) {
+    for (Cell& cell : cells) {
       cell.begin = sum;
       sum += cell.end;
       cell.end = cell.begin;
     }
-    sorted_.resize(contacts_.size());
+    work_.sorted.resize(contacts_.size());
     for (std::uint32_t i = 0; i < contacts_.size(); ++i)
-      sorted_[cells_[places[i].cell].end++] = i;
+      work_.sorted[cells[places[i].cell].end++] = i;
   }
 
   /// Unites the tile's cells with those `distance` + 1 cells away in the widest direction, each pair once.
@@ -175,51 +181,49 @@ class Clustering {
         if (there == 0) continue;
         if (other == nullptr) {
           const int n = static_cast<int>(around);
-          const auto found = by_key_.find(
-              {tile.key.x + n % 3 - 1, tile.key.y + n / 3 % 3 - 1, tile.key.z + n / 9 - 1, tile.key.solid});
-          if (found == by_key_.end()) break;
-          other = &tiles_[found->second];
+          const std::uint32_t found =
+              entry_of({tile.key.x + n % 3 - 1, tile.key.y + n / 3 % 3 - 1, tile.key.z + n / 9 - 1, tile.key.solid});
+          if (found == none) break;
+          other = &work_.tiles[found];
         }
         there &= other->cells;
         if (around == centre) there &= ~(bit(cell) - 1);
         for (; there != 0; there &= there - 1)
-          unite(cells_[number_of(tile, cell)],
-                cells_[number_of(*other, static_cast<std::size_t>(std::countr_zero(there)))]);
+          unite(work_.cells[number_of(tile, cell)],
+                work_.cells[number_of(*other, static_cast<std::size_t>(std::countr_zero(there)))]);
       }
     }
   }
 
   void unite(const Cell& one, const Cell& other) {
-    const std::uint32_t a = find_root(smallest_, sorted_[one.begin]);
-    const std::uint32_t b = find_root(smallest_, sorted_[other.begin]);
-    if (a != b && within_gap(one, other)) smallest_[std::max(a, b)] = std::min(a, b);
+    const std::uint32_t a = find_root(work_.smallest, work_.sorted[one.begin]);
+    const std::uint32_t b = find_root(work_.smallest, work_.sorted[other.begin]);
+    if (a != b && within_gap(one, other)) work_.smallest[std::max(a, b)] = std::min(a, b);
   }
 
   bool within_gap(const Cell& a, const Cell& b) const {
     for (std::uint32_t i = a.begin; i < a.end; ++i) {
-      const Float3 p = position(contacts_[sorted_[i]]);
+      const Float3 p = position(contacts_[work_.sorted[i]]);
       for (std::uint32_t j = b.begin; j < b.end; ++j) {
-        if (shader::in_reach(p, position(contacts_[sorted_[j]]), limit_)) return true;
+        if (shader::in_reach(p, position(contacts_[work_.sorted[j]]), limit_)) return true;
       }
     }
     return false;
   }
 
   const std::vector<Contact>& contacts_;
-  float limit_;
-  std::unordered_map<Key, std::uint32_t, KeyHash> by_key_;  ///< tiles
-  std::vector<Tile> tiles_;
-  std::vector<Cell> cells_;
-  std::vector<std::uint32_t> sorted_;    ///< contacts cell by cell, ascending in each
-  std::vector<std::uint32_t> smallest_;  ///< union-find over the cells' first contacts; at the end complete
+  float gap_, limit_;
+  ClusterWork& work_;
 };
 
 /// Decides which clusters may be fingers: those with enough contacts. If there are too many, the largest are taken, and
 /// among equally large ones the first.
 class Taken {
  public:
-  Taken(const std::vector<std::uint32_t>& sizes, std::uint32_t least) : over_(least - 1) {
-    std::vector<std::uint32_t> all;
+  /// `all` is scratch.
+  Taken(const std::vector<std::uint32_t>& sizes, std::uint32_t least, std::vector<std::uint32_t>& all)
+      : over_(least - 1) {
+    all.clear();
     std::ranges::copy_if(sizes, std::back_inserter(all), [&](std::uint32_t size) { return size >= least; });
     clusters_ = static_cast<std::uint32_t>(all.size());
     if (clusters_ <= max_fingers) return;
@@ -245,34 +249,45 @@ class Taken {
 
 }  // namespace
 
-void find_clusters(const Parameters& parameters, const PreparedSolids& solids, Touch& out) {
-  std::vector<Contact> inside;  // contacts before deep points, so a cluster's smallest point is a contact if it has any
-  if (parameters.cluster == Cluster::inside) {
-    inside = out.contacts;
-    inside.insert(inside.end(), out.deep.begin(), out.deep.end());
-  }
-  const std::vector<Contact>& clustered = parameters.cluster == Cluster::inside ? inside : out.contacts;
-  std::vector<std::uint32_t> smallest = Clustering(clustered, solids, float_gap(parameters)).smallest();
-  smallest.resize(out.contacts.size());  // from here on, only contacts count
+void reserve(ClusterWork& work, std::size_t points) {
+  work.inside.reserve(points);
+  work.table.reserve(table_size(points));
+  work.tiles.reserve(points);
+  work.cells.reserve(points);
+  work.places.reserve(points);
+  for (std::vector<std::uint32_t>* values :
+       {&work.sorted, &work.smallest, &work.sizes, &work.large, &work.finger_of_root})
+    values->reserve(points);
+}
 
-  std::vector<std::uint32_t> sizes(smallest.size());
+void find_clusters(const Parameters& parameters, const PreparedSolids& solids, ClusterWork& work, Touch& out) {
+  const bool with_deep = parameters.cluster == Cluster::inside;
+  if (with_deep) {  // contacts before deep points, so a cluster's smallest point is a contact if it has any
+    work.inside.assign(out.contacts.begin(), out.contacts.end());
+    work.inside.insert(work.inside.end(), out.deep.begin(), out.deep.end());
+  }
+  Clustering(with_deep ? work.inside : out.contacts, float_gap(parameters), work).find(solids);
+  work.smallest.resize(out.contacts.size());  // from here on, only contacts count
+
+  const std::vector<std::uint32_t>& smallest = work.smallest;
+  work.sizes.assign(smallest.size(), 0);
   for (const std::uint32_t root : smallest)
-    ++sizes[root];
-  constexpr std::uint32_t none = shader::clusters_nothing;
-  std::vector<std::uint32_t> finger_of_root(smallest.size(), none);
+    ++work.sizes[root];
+  work.finger_of_root.assign(smallest.size(), none);
   out.finger_count = 0;
-  Taken taken(sizes, std::max(parameters.min_points, 1U));
+  Taken taken(work.sizes, std::max(parameters.min_points, 1U), work.large);
   out.cluster_count = taken.clusters();
   for (std::uint32_t i = 0; i < smallest.size(); ++i) {
-    if (!taken.take(sizes[i])) continue;
+    if (!taken.take(work.sizes[i])) continue;
     if (out.fingers.size() <= out.finger_count) out.fingers.emplace_back();
-    finger_of_root[i] = out.finger_count;
+    work.finger_of_root[i] = out.finger_count;
     Finger& finger = out.fingers[out.finger_count++];
     finger.solid = out.contacts[i].solid;
     finger.contacts.clear();
   }
   for (std::uint32_t i = 0; i < smallest.size(); ++i) {
-    if (finger_of_root[smallest[i]] != none) out.fingers[finger_of_root[smallest[i]]].contacts.push_back(i);
+    const std::uint32_t finger = work.finger_of_root[smallest[i]];
+    if (finger != none) out.fingers[finger].contacts.push_back(i);
   }
   for (std::uint32_t f = 0; f < out.finger_count; ++f)
     out.fingers[f].contact_count = static_cast<std::uint32_t>(out.fingers[f].contacts.size());

@@ -16,8 +16,6 @@
 namespace palpa::touch {
 namespace {
 
-/// Default number of contacts of one frame with cameras.
-constexpr std::uint32_t usual_contacts = 262'144;
 constexpr std::uint32_t least_points = 4096;
 /// This many contacts are read with the frame's own submit. The rest needs another one, but hardly any frame has it.
 constexpr std::uint32_t first_read = 16'384;

@@ -88,7 +88,10 @@ struct Autd3Rig {
       from_s = driver::monotonic_s();
       device_s = driver::autd3::device_time_s();
     }
-    const session::Cycle cycle{.length = 10, .modulation_hz = hz, .modulation = array::Modulation::amplitude_sine};
+    const session::Cycle cycle{.plays = session::Plays::pattern,
+                               .length = 10,
+                               .modulation_hz = hz,
+                               .modulation = array::Modulation::amplitude_sine};
     board->plan({{{slot, slot + 1000000, cycle}, from_s, 1.5e-3}, drives, foci});
     return device_s;
   }

@@ -68,7 +68,7 @@ struct GuardRig {
     array::Schedule schedule;
     schedule.add_voice().foci = {Vec3(0)};
     array::Drive drives(cycle * drive.size());
-    link->plan({.schedule = schedule, .slots = {from, from + 66, {.length = cycle}}, .drives = drives});
+    link->plan({.schedule = schedule, .slots = {from, from + 66, {session::Plays::pattern, cycle}}, .drives = drives});
   }
 
   std::vector<std::string> lines() const {

@@ -53,32 +53,46 @@ std::function<void()> plays(Rig& rig, std::chrono::microseconds slot) {
   };
 }
 
-TEST(Guard, ABoardGetsTheFociOnlyOfOneFingerInTheFreeField) {
+TEST(Guard, ABoardGetsTheFociOnlyInTheFreeField) {
   for (const bool free_field : {true, false}) {
     Rig rig;
     rig.setting.free_field = free_field;
     rig.open();
     array::Schedule schedule;
-    array::Voice& voice = schedule.add_voice();
-    voice.foci = {Vec3(0), Vec3(0.5, 0, 0), Vec3(0.25, 0, 0)};
-    voice.order = {0, 2, 1};
+    schedule.add_voice();
+    const std::vector<Vec3> foci = {Vec3(0), Vec3(0.25, 0, 0), Vec3(0.5, 0, 0)};
     const array::Drive drives(3 * rig.drive.size());
-    const auto plan = [&](std::uint64_t from) {
-      rig.link->plan({.schedule = schedule, .slots = {from, from + 66, {.length = 3}}, .drives = drives});
+    for (const std::uint64_t from : {0UL, 1UL}) {
+      rig.link->plan({.schedule = schedule,
+                      .slots = {from, from + 66, {session::Plays::pattern, 3}},
+                      .drives = drives,
+                      .foci = from == 0 ? std::span(foci) : std::span<const Vec3>()});
       rig.send(from);
       ASSERT_TRUE(rig.wrote("play " + std::to_string(from)));
-    };
-    plan(0);
-    EXPECT_EQ(rig.count("foci 3 0.5"), free_field ? 1U : 0U);
-    schedule.voices[0].foci_per_slot = 3;
-    plan(1);
-    schedule.voices[0].foci_per_slot = 1;
-    schedule.add_voice().foci = {Vec3(0)};
-    plan(2);
+    }
     rig.link->finish();
-    EXPECT_EQ(rig.count("plan"), 3U);
+    EXPECT_EQ(rig.count("plan"), 2U);
     EXPECT_EQ(rig.count("foci"), free_field ? 1U : 0U);
+    EXPECT_EQ(rig.count("foci 3 0.5"), free_field ? 1U : 0U);
   }
+}
+
+TEST(Guard, ABoardIsNotToldOfThePausesOfItsPattern) {
+  Rig rig;
+  rig.open();
+  const array::Drive silence(rig.drive.size(), {0, 0});
+  rig.plan(0, 10);
+  rig.send(0);
+  ASSERT_TRUE(rig.wrote("play 0"));
+  rig.link->send_planned(1, silence);
+  wait(20ms);
+  rig.link->send(2, silence);
+  ASSERT_TRUE(rig.wrote("play 2"));
+  rig.link->send_planned(70, silence);  // the pattern is over
+  ASSERT_TRUE(rig.wrote("play 70"));
+  EXPECT_EQ(rig.count("play 1 "), 0U);
+  rig.link->finish();
+  rig.expect_silent_end();
 }
 
 TEST(Guard, PlaysAndCountsWhatIsSentAndEndsInSilence) {

@@ -90,7 +90,7 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   /// For foci that stand.
   void open_still() { board = make(1.5e-3, false); }
   void plan(double hz) {
-    const session::Cycle cycle{.length = 1, .modulation_hz = hz};
+    const session::Cycle cycle{.plays = session::Plays::pattern, .length = 1, .modulation_hz = hz};
     board->plan({{{100, 1000000, cycle}, driver::monotonic_s(), 1.5e-3}, drive});
   }
   /// Does what a guard does between drives: waits for what the board watches, 5 ms at most.

@@ -269,7 +269,7 @@ TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
   picture.driven = true;
   Snapshot snapshot;
   snapshot.plan.schedule.voice_count = 1;
-  snapshot.plan.cycle.length = 1;
+  snapshot.plan.cycle = {session::Plays::pattern, 1};
   snapshot.plan.drives.resize(2);
   session::SlotScratch scratch;
   show_live_slot(picture, scene, snapshot, 0, scratch);
@@ -329,7 +329,7 @@ TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
   session::SlotWork work;
   array::SlotDrives drives;
   session::drive_on_host(snapshot.plan, scene->layout, scene->drive, work, nullptr, drives);
-  ASSERT_TRUE(snapshot.plan.cycle.too_long);
+  ASSERT_EQ(snapshot.plan.cycle.plays, session::Plays::slot_by_slot);
 
   Picture picture;
   picture.transducers.resize(scene->layout.transducers.size());
