@@ -87,6 +87,20 @@ def test_a_run_takes_what_a_program_sends(cube):
     assert fingers[-1] == 1
 
 
+def test_what_it_sends_is_recorded_as_lines(cube, tmp_path):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(60)
+        sender = palpa_lines.Sender(receiver.getsockname()[1])
+        recorded = b""
+        for n in range(3):
+            sender.send(0.01 * n, [hand_at(2e-3, 1e-5 * n)])
+            recorded += receiver.recv(1 << 16)
+    file = tmp_path / "hands.jsonl"
+    file.write_bytes(recorded)
+    assert palpa.export(cube, f"joints:{file}", backend="cpu").frames == 3
+
+
 def test_what_a_tracker_cannot_do(cube, recorded, tmp_path):
     with pytest.raises(ValueError, match="goes with depth cameras"):
         palpa.Session(cube, backend="cpu", layout="openmpd", source=recorded, link="null", keep_boards=True)
