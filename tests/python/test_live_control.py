@@ -278,8 +278,7 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
     stats, lines = command.end()
     assert stats["reload"]["taken"] == 3
     assert 2 <= stats["reload"]["refused"] <= 4  # where the machine stood still, a half written scene may have looked complete
-    assert len(lines) == 2 and "scene.glb" in lines[0] and "the scene before goes on" in lines[0]
-    assert f"{stats['reload']['refused']} times, the scene could not be used" in lines[1]
+    assert len(lines) == stats["reload"]["refused"] and all("the scene before goes on: " in line and "scene.glb" in line for line in lines)
     order = [event["solid"] for event in command.events() if event["event"] == "touch"]
     assert [solid for n, solid in enumerate(order) if n == 0 or order[n - 1] != solid] == ["cube", "tube", "cube", "cupe"]
     held = {}
