@@ -157,8 +157,9 @@ def test_what_is_refused_changes_nothing_and_is_counted(cube, finger, program):
             session.stop()
             assert json.loads(session.wait().json())["osc"] == {"taken": 0, "refused": len(refused)}
     lines = [str(one.message) for one in told if "--osc" in str(one.message)]
-    assert len(lines) == 2 and "/palpa/loud: is unknown; known: /palpa/gain, /palpa/mute, /palpa/pose/NAME" in lines[0]
-    assert f"{len(refused)} of {len(refused)} messages were refused" in lines[1]
+    assert "/palpa/loud: is unknown; known: /palpa/gain, /palpa/mute, /palpa/pose/NAME" in lines[0]
+    assert "/palpa/gain: give a number from 0 to 1" in lines[1]
+    assert f"{len(refused)} of {len(refused)} messages were refused" in lines[-1]
 
 
 @needs_liblo

@@ -20,6 +20,7 @@
 #include "session/control/osc.hpp"
 #include "session/control/osc_message.hpp"
 #include "support/begins.hpp"
+#include "support/captured.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
@@ -197,6 +198,31 @@ TEST_F(OscTest, AFeelThatCannotBeIsRefusedAndChangesNothing) {
   const MessageStats stats = osc.end();
   EXPECT_EQ(stats.refused, std::size(table) + 2);
   EXPECT_EQ(stats.taken, std::size(table) + 3 + 1);
+}
+
+TEST_F(OscTest, EachReasonIsToldOnceAndAFewInASecond) {
+  const std::string said = test::stderr_of([&] {
+    Osc osc(address);
+    osc.listen(session.solids(), moves);
+    for (int n = 0; n < 3; ++n) {
+      settle(osc, message("/palpa/mute", {2}));
+      settle(osc, message("/palpa/pose/sphere", {0, 0, 0}));
+    }
+    std::string bundle = padded("#bundle") + std::string(8, '\0');
+    for (int n = 10; n < 60; ++n)
+      bundle += std::string("\0\0\0\x14", 4) + message("/palpa/" + std::to_string(n), {0});
+    settle(osc, bundle);
+    EXPECT_EQ(osc.end().refused, 56U);
+  });
+  const auto times = [&](const std::string& what) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = said.find(what, at)) != std::string::npos; ++at)
+      ++count;
+    return count;
+  };
+  EXPECT_EQ(times("a message is refused: /palpa/mute: give 1 or 0; "), 1U) << said;
+  EXPECT_EQ(times("a message is refused: /palpa/pose/sphere: "), 1U) << said;
+  EXPECT_LE(times("a message is refused: "), 10U) << "the bundle is read in far less than three seconds: " << said;
 }
 
 TEST_F(OscTest, OnlyASessionThatExpectsItChangesItsFeel) {
