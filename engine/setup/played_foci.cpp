@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/words.hpp"
-#include "session/links/slots.hpp"
+#include "session/links/foci_link.hpp"
 #include "setup/voice_json.hpp"
 #include "touch/types.hpp"
 
@@ -36,15 +36,15 @@ std::uint32_t solid_named(std::string name, std::vector<std::string>& solids) {
 }
 
 /// Gains that change from slot to slot; empty if they do not.
-std::vector<float> read_gains(const Item& finger) {
-  std::vector<float> gains;
+std::vector<double> read_gains(const Item& finger) {
+  std::vector<double> gains;
   const Json* list = finger.array("gains");
   if (!list) return gains;
+  if (list->size() > session::most_gains)
+    finger.fail(fmt::format("\"gains\" must be at most {} numbers from 0 to 1", session::most_gains));
   for (const Json& gain : *list) {
-    const double value = gain.is_number() ? gain.get<double>() : -1;
-    if (!(value >= 0 && value <= 1) || gains.size() == session::most_cycle)
-      finger.fail(fmt::format("\"gains\" must be at most {} numbers from 0 to 1", session::most_cycle));
-    gains.push_back(static_cast<float>(value));
+    gains.push_back(gain.is_number() ? gain.get<double>() : -1);
+    if (!(gains.back() >= 0 && gains.back() <= 1)) finger.fail("\"gains\" must be numbers from 0 to 1");
   }
   return gains;
 }

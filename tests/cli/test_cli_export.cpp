@@ -12,12 +12,15 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "driver/cameras/made_up_bag.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "session/links/record_link.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -293,6 +296,24 @@ TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
   }
 }
 
+TEST_F(CliExport, FociWhoseGainsChangeHaveTheSameDrivesAgain) {
+  const std::string source = take();
+  auto meshes = geometry::load_gltf(cube).meshes;
+  meshes.at(0).haptics.intensity = 0.7;
+  meshes.at(0).haptics.stiffness = std::vector<geometry::DepthForce>{{0, 0.1}, {0.01, 1}};
+  meshes.at(0).haptics.texture = {0.3, 1, 0.6};
+  geometry::write_glb(in("scene.glb"), meshes);
+  cube = in("scene.glb");
+  for (const char* method : {"cross-section", "single-focus"}) {
+    ASSERT_EQ(
+        exported(source, {"--method", method, "--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}).exit_code,
+        0);
+    EXPECT_CONTAINS(read_text(in("f.json")), "\"gains\":");
+    ASSERT_EQ(palpa_here({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}).exit_code, 0);
+    EXPECT_TRUE(read_text(in("d.bin")) == read_text(in("again.bin"))) << method;
+  }
+}
+
 TEST_F(CliExport, PlayedFociOfAnyFormAreReadOrRefusedWithTheirPlace) {
   const auto frames = [&](const std::string& text) {
     std::ofstream(in("f.json")) << R"({"slot_s": 0.0015, "frames": [)" << text << "]}";
@@ -328,10 +349,13 @@ TEST_F(CliExport, PlayedFociOfAnyFormAreReadOrRefusedWithTheirPlace) {
   expect_failure(frames(changed("0.0015", "0.0001")), 4, its_finger + "\"dwell_s\"");
   expect_failure(frames(changed(R"("modulation_hz": 0)", R"("modulation_hz": 200, "modulation": "triangle")")), 4,
                  its_finger + "\"modulation\"");
-  expect_failure(frames(changed(R"("gain": 0.5)", R"("gain": 0.5, "gains": [0.5, 2])")), 4, its_finger + "\"gains\"");
-  expect_failure(frames(changed(R"("gain": 0.5)", R"("gain": 0.5, "gains": 1)")), 4, its_finger);
+  const auto with_gains = [&](const std::string& gains, const std::string& slot = R"("slot_s": 0.0015, )") {
+    return frames(changed(R"("gain": 0.5)", R"("gain": 0.5, )" + slot + R"("gains": )" + gains));
+  };
+  expect_failure(with_gains("[0.5, 2]"), 4, its_finger + "\"gains\"");
+  expect_failure(with_gains("1"), 4, its_finger);
   // Gains that change begin with the frame's slot, and the last one stays.
-  ASSERT_EQ(frames(changed(R"("gain": 0.5)", R"("gain": 0.5, "gains": [1, 0, 0.5])")).exit_code, 0);
+  ASSERT_EQ(with_gains("[1, 0, 0.5]").exit_code, 0);
   const session::DriveRecording changing = session::read_drive_recording(in("d.bin"));
   ASSERT_EQ(changing.drives.size(), 68u);
   EXPECT_EQ(changing.drives[0].drive[7].amplitude, recording.drives[0].drive[7].amplitude);
