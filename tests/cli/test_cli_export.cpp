@@ -354,6 +354,10 @@ TEST_F(CliExport, PlayedFociOfAnyFormAreReadOrRefusedWithTheirPlace) {
   };
   expect_failure(with_gains("[0.5, 2]"), 4, its_finger + "\"gains\"");
   expect_failure(with_gains("1"), 4, its_finger);
+  expect_failure(with_gains("[]"), 4, its_finger + "\"gains\" must be 1 to 2048 numbers");
+  expect_failure(with_gains("[1]", ""), 4, its_finger + "\"slot_s\" is missing");
+  expect_failure(with_gains("[1]", R"("slot_s": 0, )"), 4, its_finger + "\"slot_s\" must be");
+  expect_failure(with_gains("[1]", R"("slot_s": 0.003, )"), 4, its_finger + "its gains are for slots of another");
   // Gains that change begin with the frame's slot, and the last one stays.
   ASSERT_EQ(with_gains("[1, 0, 0.5]").exit_code, 0);
   const session::DriveRecording changing = session::read_drive_recording(in("d.bin"));
