@@ -148,8 +148,8 @@ Osc::~Osc() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Osc::listen(std::span<const geometry::Solid> solids, RunObserver& observer) {
-  values_.set_solids(solids);
+void Osc::listen(const Session& session, RunObserver& observer) {
+  values_.set_scene(session);
   observer_ = &observer;
   thread_ = start_thread("--osc", [this] { work(); });
 }
