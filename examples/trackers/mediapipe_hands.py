@@ -8,6 +8,7 @@ Needs mediapipe and opencv-python. MediaPipe knows the shape of a hand, but not 
 place where a hand of that shape, and of a usual size, would look as it does in the picture. Expect errors of a
 centimetre or more, most of them towards the camera: this suits a first look, not shapes. Untried with a person's hand.
 """
+import argparse
 import sys
 import time
 
@@ -46,9 +47,12 @@ def placed(cv2, world, pixels, camera):
     return world @ cv2.Rodrigues(turn)[0].T + place[:, 0]
 
 
-def main(model, focal, port=9000):
-    import cv2
-    import mediapipe as mp
+def main(model, focal, port):
+    try:
+        import cv2
+        import mediapipe as mp
+    except ModuleNotFoundError as missing:
+        sys.exit(f"mediapipe_hands.py: {missing.name} is missing: pip install mediapipe opencv-python")
 
     vision = mp.tasks.vision
     options = vision.HandLandmarkerOptions(
@@ -80,9 +84,12 @@ def main(model, focal, port=9000):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4):
-        sys.exit("usage: mediapipe_hands.py MODEL FX [PORT]")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("model")
+    parser.add_argument("fx", type=float)
+    parser.add_argument("port", type=int, nargs="?", default=9000)
+    line = parser.parse_args()
     try:
-        main(sys.argv[1], float(sys.argv[2]), *map(int, sys.argv[3:]))
+        main(line.model, line.fx, line.port)
     except KeyboardInterrupt:
         pass

@@ -1,6 +1,7 @@
 """Hands from a tracker, and the example programs that send them."""
 import math
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -109,6 +110,15 @@ def test_what_a_tracker_cannot_do(cube, recorded, tmp_path):
     (tmp_path / "bad.jsonl").write_text("{}\n")
     with pytest.raises(palpa.BadInput, match="line 1"):
         palpa.export(cube, f"joints:{tmp_path / 'bad.jsonl'}", backend="cpu")
+
+
+def test_the_examples_tell_how_they_are_called():
+    for name, wrong in (("openxr_hands.py", ["port"]), ("mediapipe_hands.py", ["model", "abc"])):
+        call = [sys.executable, str(ROOT / "examples/trackers" / name)]
+        told = subprocess.run([*call, "--help"], capture_output=True, text=True)
+        assert told.returncode == 0 and f"usage: {name}" in told.stdout and told.stderr == ""
+        refused = subprocess.run([*call, *wrong], capture_output=True, text=True)
+        assert refused.returncode == 2 and f"invalid {'float' if wrong[1:] else 'int'} value" in refused.stderr
 
 
 def test_the_axes_and_joints_of_the_example():
