@@ -21,7 +21,10 @@ FINGER_RADII = [0.0115, 0.010, 0.0085, 0.0075, 0.0065]
 
 
 def openxr_joints(landmarks):
-    """OpenXR's 26 joints of MediaPipe's 21 landmarks, shape (21, 3); those that MediaPipe lacks are derived."""
+    """OpenXR's 26 joints of MediaPipe's 21 landmarks, shape (21, 3); those that MediaPipe lacks are derived.
+
+    Both have the tips a little inside of the fingers' ends.
+    """
     wrist, knuckles = landmarks[0], landmarks[[5, 9, 13, 17]]
     joints = [0.55 * landmarks[9] + 0.45 * wrist, wrist, *landmarks[1:5]]
     for finger, knuckle in enumerate(knuckles):
@@ -37,6 +40,17 @@ def openxr_radii():
 def to_tracker(points):
     """From a camera's axes (x right, y down, z forward) to y up and z backward."""
     return points * np.array([1, -1, -1])
+
+
+def surest(sides):
+    """The hands to send, by number, each with its side. `sides`: for each hand, what MediaPipe calls it and how sure it
+    is. If it calls hands alike, only the surest: palpa would leave out all."""
+    best = {}
+    for n, (name, score) in enumerate(sides):
+        if name not in best or score > sides[best[name]][1]:
+            best[name] = n
+    # MediaPipe assumes a mirrored picture.
+    return {n: "left" if name == "Right" else "right" for name, n in best.items()}
 
 
 def placed(cv2, world, pixels, camera):
@@ -71,14 +85,12 @@ def main(model, focal, port):
             image = mp.Image(image_format=mp.ImageFormat.SRGB, data=cv2.cvtColor(picture, cv2.COLOR_BGR2RGB))
             result = landmarker.detect_for_video(image, int(1e3 * t_s))
             hands = []
-            for shape, seen, sides in zip(result.hand_world_landmarks, result.hand_landmarks, result.handedness):
-                world = np.array([(p.x, p.y, p.z) for p in shape])
-                pixels = np.array([(p.x * width, p.y * height) for p in seen])
+            for n, side in surest([(hand[0].category_name, hand[0].score) for hand in result.handedness]).items():
+                world = np.array([(p.x, p.y, p.z) for p in result.hand_world_landmarks[n]])
+                pixels = np.array([(p.x * width, p.y * height) for p in result.hand_landmarks[n]])
                 where = placed(cv2, world, pixels, camera)
                 if where is None:
                     continue
-                # MediaPipe assumes a mirrored picture.
-                side = "left" if sides[0].category_name == "Right" else "right"
                 hands.append(palpa_lines.hand(side, openxr_joints(to_tracker(where)), openxr_radii()))
             sender.send(t_s, hands)
 

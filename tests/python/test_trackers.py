@@ -121,6 +121,13 @@ def test_the_examples_tell_how_they_are_called():
         assert refused.returncode == 2 and f"invalid {'float' if wrong[1:] else 'int'} value" in refused.stderr
 
 
+def test_of_hands_that_mediapipe_calls_alike_the_surest_is_sent():
+    assert mediapipe_hands.surest([("Right", 0.8), ("Left", 0.7)]) == {0: "left", 1: "right"}
+    assert mediapipe_hands.surest([("Right", 0.8), ("Right", 0.9)]) == {1: "left"}
+    assert mediapipe_hands.surest([("Left", 0.9), ("Left", 0.8)]) == {0: "right"}
+    assert mediapipe_hands.surest([]) == {}
+
+
 def test_the_axes_and_joints_of_the_example():
     landmarks = pointing(np.zeros(3))
     joints = mediapipe_hands.openxr_joints(landmarks)
