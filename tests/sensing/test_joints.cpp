@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sensing/joints/hand_check.hpp"
+#include "sensing/joints/left_out.hpp"
 #include "sensing/joints/read_frame.hpp"
 #include "sensing/joints/tracker.hpp"
 #include "support/captured.hpp"
@@ -317,6 +318,17 @@ TEST_F(JointsFile, TellsOnceOfHandsInDoubtAndCountsThem) {
   const std::string kind = "a hand with a radius outside of 1 to 40 mm, or with a bone longer than 150 mm\n";
   EXPECT_EQ(said, "palpa: warning: joints:" + file.string() + ": palpa leaves out " + kind +
                       "palpa: warning: joints:" + file.string() + ": 3 times, palpa left out " + kind);
+}
+
+TEST(LeftOut, TellsEachReasonOnce) {
+  const std::string said = test::stderr_of([] {
+    LeftOut left_out("it");
+    for (const char* why : {"one", "two", "one", "two"})
+      left_out.add("a datagram that is no frame", why);
+  });
+  const std::string warning = "palpa: warning: it: ", kind = "a datagram that is no frame";
+  EXPECT_EQ(said, warning + "palpa leaves out " + kind + ": one\n" + warning + "palpa leaves out " + kind + ": two\n" +
+                      warning + "4 times, palpa left out " + kind + "\n");
 }
 
 TEST_F(JointsFile, IsRefusedWithTheLine) {

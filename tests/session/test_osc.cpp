@@ -216,7 +216,7 @@ TEST_F(OscTest, ClicksAndTexturesAreRefusedIfTheLinkCannotPlayThem) {
   EXPECT_EQ(stats.taken, 3U + 5U) << "with the gains that settle it";
 }
 
-TEST_F(OscTest, EachReasonIsToldOnceAndAFewInASecond) {
+TEST_F(OscTest, EachReasonIsToldOnce) {
   const std::string said = test::stderr_of([&] {
     Osc osc(address);
     osc.listen(session, moves);
@@ -224,11 +224,7 @@ TEST_F(OscTest, EachReasonIsToldOnceAndAFewInASecond) {
       settle(osc, message("/palpa/mute", {2}));
       settle(osc, message("/palpa/pose/sphere", {0, 0, 0}));
     }
-    std::string bundle = padded("#bundle") + std::string(8, '\0');
-    for (int n = 10; n < 60; ++n)
-      bundle += std::string("\0\0\0\x14", 4) + message("/palpa/" + std::to_string(n), {0});
-    settle(osc, bundle);
-    EXPECT_EQ(osc.end().refused, 56U);
+    EXPECT_EQ(osc.end().refused, 6U);
   });
   const auto times = [&](const std::string& what) {
     std::size_t count = 0;
@@ -238,7 +234,6 @@ TEST_F(OscTest, EachReasonIsToldOnceAndAFewInASecond) {
   };
   EXPECT_EQ(times("a message is refused: /palpa/mute: give 1 or 0; "), 1U) << said;
   EXPECT_EQ(times("a message is refused: /palpa/pose/sphere: "), 1U) << said;
-  EXPECT_LE(times("a message is refused: "), 10U) << "the bundle is read in far less than three seconds: " << said;
 }
 
 TEST_F(OscTest, OnlyASessionThatExpectsItChangesItsFeel) {

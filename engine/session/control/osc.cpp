@@ -219,16 +219,8 @@ void Osc::take_message(std::span<char> bytes) {
 }
 
 void Osc::refuse(const std::string& why) {
-  constexpr std::chrono::seconds window(1);
-  constexpr int most_in_window = 3;
-  constexpr std::size_t most_in_all = 100;
   ++stats_.refused;
-  if (const auto now = std::chrono::steady_clock::now(); now - window_ > window) {
-    window_ = now;
-    told_in_window_ = 0;
-  }
-  if (told_in_window_ == most_in_window || told_.size() == most_in_all || !told_.insert(why).second) return;
-  ++told_in_window_;
+  if (!reasons_.writes(why)) return;
   log::warning(fmt::format("{}: a message is refused: {}; further ones like it are only counted", name_, why));
 }
 

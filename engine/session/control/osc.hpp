@@ -3,12 +3,11 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
-#include <set>
 #include <span>
 #include <string>
 #include <thread>
 
+#include "base/sparing.hpp"
 #include "base/udp.hpp"
 #include "session/control/live_values.hpp"
 #include "session/loop/run_options.hpp"
@@ -44,17 +43,14 @@ class Osc final : public RunChanges {
   void work();
   void take(std::span<char> packet, int depth = 0);
   void take_message(std::span<char> bytes);
-  /// Warns once of each reason, a few times a second at most.
   void refuse(const std::string& why);
 
   std::string name_;
   UdpReceiver socket_;
   LiveValues values_;
   RunObserver* observer_ = &no_observer;
-  MessageStats stats_;          ///< the thread's, as are the next three
-  std::set<std::string> told_;  ///< reasons
-  std::chrono::steady_clock::time_point window_;
-  int told_in_window_ = 0;
+  MessageStats stats_;  ///< the thread's
+  Sparing reasons_;     ///< the thread's
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
