@@ -117,6 +117,15 @@ TEST(UdpTracker, LeavesOutHandsOfAClockThatDoesNotRunInSeconds) {
   EXPECT_CONTAINS(said, ": 5 times, palpa left out the hands of frames whose times do not run");
 }
 
+TEST(UdpTracker, TakesAllThatWaitedBeforeTheFirstFrame) {
+  Heard heard;
+  for (int i = 0; i < 80; ++i)  // short ones: the system holds them all
+    heard.sender.send("{\"t_s\": " + std::to_string(i) + ", \"hands\": []}");
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.time_s, 79);
+  EXPECT_EQ(heard.number, 79U);
+}
+
 TEST(UdpTracker, AFloodNeitherBlocksNorGrows) {
   for (const bool frames : {true, false}) {
     const std::string said = test::stderr_of([&] {

@@ -23,6 +23,8 @@ constexpr const char* form = "source joints takes udp:PORT or udp:HOST:PORT, for
 constexpr std::size_t most_datagram = 65536;
 /// At one time, so many datagrams are taken from the system, and of these the newest few are read.
 constexpr int most_taken = 64;
+/// Before the first frame, all that waited while palpa started, so that only that frame is old.
+constexpr int most_waiting = 4096;
 constexpr std::size_t most_read = 4;
 const std::string its_name = "the datagram";
 
@@ -61,7 +63,7 @@ class UdpTracker final : public Tracker {
   /// Takes what has come, and keeps the newest few. Returns how many there were.
   std::size_t take() {
     std::size_t taken = 0;
-    for (int i = 0; i < most_taken; ++i) {
+    for (int i = 0; i < (number_ == 0 ? most_waiting : most_taken); ++i) {
       const std::optional<std::size_t> size = socket_.receive(buffer_);
       if (!size) break;
       newest_[taken++ % most_read].assign(buffer_, 0, *size);
