@@ -172,7 +172,7 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
   o.run.written = setup::outputs_of(options, links);
   Callbacks callbacks(o, session);
-  if (osc) osc->listen(session.solids(), callbacks);
+  if (osc) osc->listen(session, callbacks);
   session::LoopStats stats =
       session::run_points(session, *o.run.points, *link, o.run.stop,
                           {.frames = options.frames, .observer = &callbacks, .changes = osc ? &*osc : nullptr});

@@ -45,7 +45,7 @@ class BoardLink final : public session::Link {
       throw failure(fmt::format("{}: a plan has {} drives; at most {} are possible", brief_.kind,
                                 plan.slots.cycle.length, session::most_cycle));
     }
-    if (plan.schedule.voice_count == 0) timed.slots.cycle = {};  // silence, whatever else is said
+    if (plan.schedule.voice_count == 0) timed.slots.cycle = {};  // silence ends all else
     const std::span<const Vec3> foci = free_field_ ? plan.foci : std::span<const Vec3>();
     place.head = {timed, static_cast<std::uint32_t>(foci.size())};
     std::copy(plan.drives.begin(), plan.drives.end(), place.drives.begin());

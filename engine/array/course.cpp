@@ -59,7 +59,7 @@ double modulate(const Course& course, std::uint64_t slot, double slot_s) {
   if (slot < course.begin_slot || slot >= course.end_slot) return 0;
   if (!course.gains.empty()) {
     const std::uint64_t number = slot - std::min(slot, course.first_slot);
-    return double{course.gains[std::min<std::uint64_t>(number, course.gains.size() - 1)]};
+    return course.gains[std::min<std::uint64_t>(number, course.gains.size() - 1)];
   }
   const Course::Values now = course.at(slot);
   const Texture& texture = course.texture;

@@ -46,7 +46,7 @@ struct Course {
   std::uint64_t begin_slot = 0, end_slot = endless;
   /// If it is not empty, these are the gains of the slots from first_slot on, and the last one stays. For schedules
   /// that are played again.
-  std::vector<float> gains;
+  std::vector<double> gains;
 
   /// False: the gain is the same in all slots.
   bool changes() const;

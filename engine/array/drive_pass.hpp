@@ -92,7 +92,7 @@ class DriveMemory {
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);
   std::uint32_t slots() const { return batch_.slots; }
   std::uint32_t transducers() const { return batch_.transducers; }
-  /// Of these, the slots that solve_on_host() computes.
+  /// The slots among these that solve_on_host() computes.
   std::size_t host_slots() const { return host_slots_.size(); }
 
   /// Records upload, passes and readback of the slots added since `clear`. Complete with the submit, without a further

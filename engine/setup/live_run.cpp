@@ -179,7 +179,7 @@ void LiveRun::before_frame(session::Session& session) {
 
 void LiveRun::take_scene(session::Session& session) {
   reload_->take(session);
-  if (osc_) osc_->set_solids(session.solids());
+  if (osc_) osc_->set_scene(session);
 }
 
 void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
@@ -204,7 +204,7 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
     };
     options.record_waiting_bytes = std::min(most_waiting_bytes, free_memory() / 4);
   }
-  if (osc_) osc_->listen(session().solids(), observer);
+  if (osc_) osc_->listen(session(), observer);
   if (options_.reload) watch_scene();
   session::LoopStats stats;
   try {

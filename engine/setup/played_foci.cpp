@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -11,7 +12,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/words.hpp"
-#include "session/links/slots.hpp"
+#include "session/links/foci_link.hpp"
 #include "setup/voice_json.hpp"
 #include "touch/types.hpp"
 
@@ -36,15 +37,17 @@ std::uint32_t solid_named(std::string name, std::vector<std::string>& solids) {
 }
 
 /// Gains that change from slot to slot; empty if they do not.
-std::vector<float> read_gains(const Item& finger) {
-  std::vector<float> gains;
+std::vector<double> read_gains(const Item& finger, double slot_s) {
+  std::vector<double> gains;
   const Json* list = finger.array("gains");
   if (!list) return gains;
+  if (list->empty() || list->size() > session::most_gains)
+    finger.fail(fmt::format("\"gains\" must be 1 to {} numbers from 0 to 1", session::most_gains));
+  if (std::abs(number(finger, "slot_s", shortest_dwell_s, longest_dwell_s) - slot_s) > 1e-9)
+    finger.fail(fmt::format("its gains are for slots of another length than the file's, {} s", slot_s));
   for (const Json& gain : *list) {
-    const double value = gain.is_number() ? gain.get<double>() : -1;
-    if (!(value >= 0 && value <= 1) || gains.size() == session::most_cycle)
-      finger.fail(fmt::format("\"gains\" must be at most {} numbers from 0 to 1", session::most_cycle));
-    gains.push_back(static_cast<float>(value));
+    gains.push_back(gain.is_number() ? gain.get<double>() : -1);
+    if (!(gains.back() >= 0 && gains.back() <= 1)) finger.fail("\"gains\" must be numbers from 0 to 1");
   }
   return gains;
 }
@@ -70,7 +73,7 @@ void read_voice(const Item& finger, std::uint64_t slot, double slot_s, std::vect
   }
   voice.gain = number(finger, "gain", 0, 1);
   voice.course.first_slot = slot;
-  voice.course.gains = read_gains(finger);
+  voice.course.gains = read_gains(finger, slot_s);
   if (!finger.has("pressure_pa")) return;
   voice.pressure_pa = number(finger, "pressure_pa", 0, array::most_pressure_pa);
   if (voice.pressure_pa > 0) voice.gain = 1;

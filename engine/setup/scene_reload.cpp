@@ -63,10 +63,6 @@ void SceneReload::stop() {
 
 session::ReloadStats SceneReload::end() {
   stop();
-  if (refused_ > 1) {
-    log::warning(fmt::format("--reload: {}: {} times, the scene could not be used, and the one before went on", file_,
-                             refused()));
-  }
   return {.taken = taken_, .refused = refused_};
 }
 
@@ -90,9 +86,8 @@ void SceneReload::work() {
     } catch (const std::exception& error) {
       if (ends_) return;
       if (look_at_scene(file_) != now) continue;  // it is being written, and will be read again
-      if (refused_++ == 0)
-        log::warning(
-            fmt::format("--reload: the scene before goes on: {}; further such scenes are only counted", error.what()));
+      ++refused_;
+      log::warning(fmt::format("--reload: the scene before goes on: {}", error.what()));
     }
   }
 }

@@ -1,5 +1,6 @@
 // `palpa run --reload`: the scene is read again when its file has been saved, and replaces the one that runs between
-// two frames. A separate thread looks at the file and reads it. A scene that cannot be used changes nothing.
+// two frames. A separate thread looks at the file and reads it. A scene that cannot be used changes nothing. Each
+// is a warning: somebody has saved it and waits for it.
 #pragma once
 
 #include <array>
@@ -39,8 +40,7 @@ class SceneReload {
   /// How many scenes could not be used so far.
   std::uint64_t refused() const { return refused_; }
 
-  /// No scene comes any more. If several could not be used, logs how many. The scene of the beginning stays until this
-  /// object ends: the link has values of it.
+  /// No scene comes any more. The scene of the beginning stays until this object ends: the link has values of it.
   session::ReloadStats end();
 
  private:

@@ -8,6 +8,7 @@ Needs mediapipe and opencv-python. MediaPipe knows the shape of a hand, but not 
 place where a hand of that shape, and of a usual size, would look as it does in the picture. Expect errors of a
 centimetre or more, most of them towards the camera: this suits a first look, not shapes. Untried with a person's hand.
 """
+import argparse
 import sys
 import time
 
@@ -20,7 +21,10 @@ FINGER_RADII = [0.0115, 0.010, 0.0085, 0.0075, 0.0065]
 
 
 def openxr_joints(landmarks):
-    """OpenXR's 26 joints of MediaPipe's 21 landmarks, shape (21, 3); those that MediaPipe lacks are derived."""
+    """OpenXR's 26 joints of MediaPipe's 21 landmarks, shape (21, 3); those that MediaPipe lacks are derived.
+
+    Both have the tips a little inside of the fingers' ends.
+    """
     wrist, knuckles = landmarks[0], landmarks[[5, 9, 13, 17]]
     joints = [0.55 * landmarks[9] + 0.45 * wrist, wrist, *landmarks[1:5]]
     for finger, knuckle in enumerate(knuckles):
@@ -38,6 +42,17 @@ def to_tracker(points):
     return points * np.array([1, -1, -1])
 
 
+def surest(sides):
+    """The hands to send, by number, each with its side. `sides`: for each hand, what MediaPipe calls it and how sure it
+    is. If it calls hands alike, only the surest: palpa would leave out all."""
+    best = {}
+    for n, (name, score) in enumerate(sides):
+        if name not in best or score > sides[best[name]][1]:
+            best[name] = n
+    # MediaPipe assumes a mirrored picture.
+    return {n: "left" if name == "Right" else "right" for name, n in best.items()}
+
+
 def placed(cv2, world, pixels, camera):
     """The landmarks in the camera's frame, metres; None if there is no such place."""
     found, turn, place = cv2.solvePnP(world, pixels, camera, None, flags=cv2.SOLVEPNP_SQPNP)
@@ -46,9 +61,12 @@ def placed(cv2, world, pixels, camera):
     return world @ cv2.Rodrigues(turn)[0].T + place[:, 0]
 
 
-def main(model, focal, port=9000):
-    import cv2
-    import mediapipe as mp
+def main(model, focal, port):
+    try:
+        import cv2
+        import mediapipe as mp
+    except ModuleNotFoundError as missing:
+        sys.exit(f"mediapipe_hands.py: {missing.name} is missing: pip install mediapipe opencv-python")
 
     vision = mp.tasks.vision
     options = vision.HandLandmarkerOptions(
@@ -67,22 +85,23 @@ def main(model, focal, port=9000):
             image = mp.Image(image_format=mp.ImageFormat.SRGB, data=cv2.cvtColor(picture, cv2.COLOR_BGR2RGB))
             result = landmarker.detect_for_video(image, int(1e3 * t_s))
             hands = []
-            for shape, seen, sides in zip(result.hand_world_landmarks, result.hand_landmarks, result.handedness):
-                world = np.array([(p.x, p.y, p.z) for p in shape])
-                pixels = np.array([(p.x * width, p.y * height) for p in seen])
+            for n, side in surest([(hand[0].category_name, hand[0].score) for hand in result.handedness]).items():
+                world = np.array([(p.x, p.y, p.z) for p in result.hand_world_landmarks[n]])
+                pixels = np.array([(p.x * width, p.y * height) for p in result.hand_landmarks[n]])
                 where = placed(cv2, world, pixels, camera)
                 if where is None:
                     continue
-                # MediaPipe assumes a mirrored picture.
-                side = "left" if sides[0].category_name == "Right" else "right"
                 hands.append(palpa_lines.hand(side, openxr_joints(to_tracker(where)), openxr_radii()))
             sender.send(t_s, hands)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4):
-        sys.exit("usage: mediapipe_hands.py MODEL FX [PORT]")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("model")
+    parser.add_argument("fx", type=float)
+    parser.add_argument("port", type=int, nargs="?", default=9000)
+    line = parser.parse_args()
     try:
-        main(sys.argv[1], float(sys.argv[2]), *map(int, sys.argv[3:]))
+        main(line.model, line.fx, line.port)
     except KeyboardInterrupt:
         pass

@@ -7,12 +7,17 @@
 Needs Linux, pyopenxr (pip install pyopenxr), and a runtime with XR_EXT_hand_tracking, XR_MND_headless and
 XR_KHR_convert_timespec_time, such as Monado's. Untried with a headset.
 """
+import argparse
 import ctypes
 import sys
 import time
 
 import palpa_lines
-import xr
+
+try:
+    import xr
+except ModuleNotFoundError:
+    xr = None  # --help needs none
 
 RATE_HZ = 90
 JOINTS = 26
@@ -66,7 +71,9 @@ def states(instance):
             yield xr.SessionState(changed.state)
 
 
-def main(port=9000):
+def main(port):
+    if not xr:
+        sys.exit("openxr_hands.py: pyopenxr is missing: pip install pyopenxr")
     instance = xr.create_instance(
         xr.InstanceCreateInfo(
             enabled_extension_names=[
@@ -96,9 +103,9 @@ def main(port=9000):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2 or not all(port.isdecimal() for port in sys.argv[1:]):
-        sys.exit("usage: openxr_hands.py [PORT]")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("port", type=int, nargs="?", default=9000)
     try:
-        main(*map(int, sys.argv[1:]))
+        main(parser.parse_args().port)
     except KeyboardInterrupt:
         pass

@@ -24,4 +24,4 @@ class Sender:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def send(self, t_s, hands):
-        self.socket.sendto(line(t_s, hands).encode(), self.address)
+        self.socket.sendto((line(t_s, hands) + "\n").encode(), self.address)  # so that a file of them has lines

@@ -17,6 +17,8 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "driver/cameras/made_up_bag.hpp"
+#include "geometry/gltf/gltf.hpp"
+#include "geometry/gltf/write.hpp"
 #include "session/links/record_link.hpp"
 #include "setup/load.hpp"
 #include "setup/options.hpp"
@@ -258,6 +260,24 @@ TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
   }
 }
 
+TEST_F(CliExport, FociWhoseGainsChangeHaveTheSameDrivesAgain) {
+  const std::string source = take();
+  auto meshes = geometry::load_gltf(cube).meshes;
+  meshes.at(0).haptics.intensity = 0.7;
+  meshes.at(0).haptics.stiffness = std::vector<geometry::DepthForce>{{0, 0.1}, {0.01, 1}};
+  meshes.at(0).haptics.texture = {0.3, 1, 0.6};
+  geometry::write_glb(in("scene.glb"), meshes);
+  cube = in("scene.glb");
+  for (const char* method : {"cross-section", "single-focus"}) {
+    ASSERT_EQ(
+        exported(source, {"--method", method, "--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}).exit_code,
+        0);
+    EXPECT_CONTAINS(read_text(in("f.json")), "\"gains\":");
+    ASSERT_EQ(palpa_here({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}).exit_code, 0);
+    EXPECT_TRUE(read_text(in("d.bin")) == read_text(in("again.bin"))) << method;
+  }
+}
+
 TEST_F(CliExport, PlayedFociAreReadOrRefusedWithTheirPlace) {
   const auto play = [&](const std::string& frames) {
     write_text(in("f.json"), R"({"slot_s": 0.0015, "frames": [)" + frames + "]}");
@@ -283,7 +303,8 @@ TEST_F(CliExport, PlayedFociAreReadOrRefusedWithTheirPlace) {
   };
   // Gains that change begin with the frame's slot, and the last one stays.
   const std::string gain = R"("gain": 0.5)", hz = R"("modulation_hz": 0)";
-  ASSERT_EQ(play(changed(gain, gain + R"(, "gains": [1, 0, 0.5])")).exit_code, 0);
+  const std::string slots = R"(, "slot_s": 0.0015, "gains": )";
+  ASSERT_EQ(play(changed(gain, gain + slots + "[1, 0, 0.5]")).exit_code, 0);
   const std::vector<session::RecordedDrive> changing = drives();
   ASSERT_EQ(changing.size(), 68u);
   EXPECT_EQ(changing[0].drive[7].amplitude, recorded[0].drive[7].amplitude);
@@ -301,8 +322,12 @@ TEST_F(CliExport, PlayedFociAreReadOrRefusedWithTheirPlace) {
       {changed("0.5", "1.5"), finger + "\"gain\""},
       {changed("0.0015", "0.0001"), finger + "\"dwell_s\""},
       {changed(hz, R"("modulation_hz": 200, "modulation": "triangle")"), finger + "\"modulation\""},
-      {changed(gain, gain + R"(, "gains": [0.5, 2])"), finger + "\"gains\""},
-      {changed(gain, gain + R"(, "gains": 1)"), finger},
+      {changed(gain, gain + slots + "[0.5, 2]"), finger + "\"gains\""},
+      {changed(gain, gain + slots + "1"), finger},
+      {changed(gain, gain + slots + "[]"), finger + "\"gains\" must be 1 to 2048 numbers"},
+      {changed(gain, gain + R"(, "gains": [1])"), finger + "\"slot_s\" is missing"},
+      {changed(gain, gain + R"(, "slot_s": 0, "gains": [1])"), finger + "\"slot_s\" must be"},
+      {changed(gain, gain + R"(, "slot_s": 0.003, "gains": [1])"), finger + "its gains are for slots of another"},
       {first + R"(, {"slot": 999999, "time_s": 6, "fingers": []})", "frame 1"},
       {"", "no frame"}};
   for (const auto& [frames, part] : wrong)

@@ -96,7 +96,8 @@ TEST_F(CliHaptics, ClicksAndTexturesThatAreNotFeltAsIntendedAreWarnedOf) {
   } cases[]{{{}, {}, ""},
             {loud, {}, "scene.glb: mesh \"knob\" has a gain of 1 at its press depth, so 20 ms of silence come"},
             {quiet, {}, ""},
-            {quiet, {"--dwell", "4ms"}, "drives of 4 ms are too long for them: give a dwell of at most 2.5 ms"},
+            {quiet, {"--dwell", "2ms"}, ""},
+            {quiet, {"--dwell", "2.49ms"}, "drives of 2.49 ms are too long for them: give a dwell of at most 2 ms"},
             {rough, {"--dwell", "4ms"}, ""}};
   for (const auto& [knob, options, told] : cases) {
     const Result result = palpa_here(with(touch_with(knob), options));

@@ -167,8 +167,9 @@ def test_what_is_refused_changes_nothing_and_is_counted(cube, finger, program):
             session.stop()
             assert json.loads(session.wait().json())["osc"] == {"taken": 1, "refused": len(refused)}
     lines = [str(one.message) for one in told if "--osc" in str(one.message)]
-    assert len(lines) == 2 and "/palpa/loud: is unknown; known: /palpa/gain, /palpa/mute, /palpa/pose/NAME" in lines[0]
-    assert f"{len(refused)} of {len(refused) + 1} messages were refused" in lines[1]
+    assert "/palpa/loud: is unknown; known: /palpa/gain, /palpa/mute, /palpa/pose/NAME" in lines[0]
+    assert "/palpa/gain: give a number from 0 to 1" in lines[1]
+    assert f"{len(refused)} of {len(refused) + 1} messages were refused" in lines[-1]
 
 
 @needs_liblo
@@ -287,9 +288,8 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
     stats, lines = command.end()
     assert stats["reload"]["taken"] == 3
     # Where the machine stood still, a half written scene may have looked complete, or nobody has seen that there was none.
-    refused = stats["reload"]["refused"]
-    assert 1 <= refused <= 4 and "scene.glb" in lines[0] and "the scene before goes on" in lines[0]
-    assert len(lines) == (2 if refused > 1 else 1) and (refused == 1 or f"{refused} times, the scene could not be used" in lines[1])
+    assert 1 <= stats["reload"]["refused"] <= 4
+    assert len(lines) == stats["reload"]["refused"] and all("the scene before goes on: " in line and "scene.glb" in line for line in lines)
     order = [event["solid"] for event in command.events() if event["event"] == "touch"]
     assert [solid for n, solid in enumerate(order) if n == 0 or order[n - 1] != solid] == ["cube", "tube", "cube", "cupe"]
     held = {}

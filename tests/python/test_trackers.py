@@ -1,6 +1,7 @@
 """Hands from a tracker, and the example programs that send them."""
 import math
 import socket
+import subprocess
 import sys
 import threading
 import time
@@ -87,6 +88,20 @@ def test_a_run_takes_what_a_program_sends(cube):
     assert fingers[-1] == 1
 
 
+def test_what_it_sends_is_recorded_as_lines(cube, tmp_path):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(60)
+        sender = palpa_lines.Sender(receiver.getsockname()[1])
+        recorded = b""
+        for n in range(3):
+            sender.send(0.01 * n, [hand_at(2e-3, 1e-5 * n)])
+            recorded += receiver.recv(1 << 16)
+    file = tmp_path / "hands.jsonl"
+    file.write_bytes(recorded)
+    assert palpa.export(cube, f"joints:{file}", backend="cpu").frames == 3
+
+
 def test_what_a_tracker_cannot_do(cube, recorded, tmp_path):
     with pytest.raises(ValueError, match="goes with depth cameras"):
         palpa.Session(cube, backend="cpu", layout="openmpd", source=recorded, link="null", keep_boards=True)
@@ -95,6 +110,22 @@ def test_what_a_tracker_cannot_do(cube, recorded, tmp_path):
     (tmp_path / "bad.jsonl").write_text("{}\n")
     with pytest.raises(palpa.BadInput, match="line 1"):
         palpa.export(cube, f"joints:{tmp_path / 'bad.jsonl'}", backend="cpu")
+
+
+def test_the_examples_tell_how_they_are_called():
+    for name, wrong in (("openxr_hands.py", ["port"]), ("mediapipe_hands.py", ["model", "abc"])):
+        call = [sys.executable, str(ROOT / "examples/trackers" / name)]
+        told = subprocess.run([*call, "--help"], capture_output=True, text=True)
+        assert told.returncode == 0 and f"usage: {name}" in told.stdout and told.stderr == ""
+        refused = subprocess.run([*call, *wrong], capture_output=True, text=True)
+        assert refused.returncode == 2 and f"invalid {'float' if wrong[1:] else 'int'} value" in refused.stderr
+
+
+def test_of_hands_that_mediapipe_calls_alike_the_surest_is_sent():
+    assert mediapipe_hands.surest([("Right", 0.8), ("Left", 0.7)]) == {0: "left", 1: "right"}
+    assert mediapipe_hands.surest([("Right", 0.8), ("Right", 0.9)]) == {1: "left"}
+    assert mediapipe_hands.surest([("Left", 0.9), ("Left", 0.8)]) == {0: "right"}
+    assert mediapipe_hands.surest([]) == {}
 
 
 def test_the_axes_and_joints_of_the_example():

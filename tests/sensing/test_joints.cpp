@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sensing/joints/hand_check.hpp"
+#include "sensing/joints/left_out.hpp"
 #include "sensing/joints/read_frame.hpp"
 #include "sensing/joints/tracker.hpp"
 #include "support/captured.hpp"
@@ -152,10 +153,14 @@ TEST(Joints, RefuseWhatIsNoFrame) {
 /// The doubt about one frame after others of the same hand, 10 ms apart.
 struct Frames {
   HandCheck check;
-  double time_s = 10;
+  double time_s = 10, arrived_s = 50;
   std::optional<HandDoubt> see(std::vector<TrackedHand> hands, double later_s = 0.01) {
+    return see(std::move(hands), later_s, later_s);
+  }
+  /// `later_s` on the tracker's clock, `passed_s` on palpa's.
+  std::optional<HandDoubt> see(std::vector<TrackedHand> hands, double later_s, double passed_s) {
     TrackedFrame frame{time_s += later_s, std::move(hands)};
-    const std::optional<HandDoubt> doubt = check.check(frame);
+    const std::optional<HandDoubt> doubt = check.check(frame, arrived_s += passed_s);
     left = frame.hands.size();
     return doubt;
   }
@@ -215,6 +220,39 @@ TEST(Joints, ThatDoNotMoveByABitGiveNoHand) {
   TrackedHand moved = hand;
   moved.joints[0].x += 1e-9;
   EXPECT_EQ(frames.see({moved}), std::nullopt);
+  EXPECT_EQ(frames.see({moved}, 0.33), HandDoubt::frozen) << "three frames a second";
+  EXPECT_EQ(frames.see({}, 5), std::nullopt);
+  EXPECT_EQ(frames.see({moved}), HandDoubt::frozen) << "it was away, and comes back to the bit";
+  frames = Frames();
+  frames.see({hand});
+  EXPECT_EQ(frames.see({hand}, 0.01, 0.3), HandDoubt::frozen) << "palpa's clock counts";
+}
+
+/// How many of 300 frames, 10 ms apart, have a hand, of a tracker whose clock runs on by `later_s` from each to the
+/// next.
+int with_a_hand(const std::function<double(int)>& later_s) {
+  Frames frames;
+  int hands = 0;
+  for (int i = 0; i < 300; ++i) {
+    frames.see({test::pointing_hand({1e-3 * i, 0.1, 0})}, later_s(i), 0.01);
+    hands += static_cast<int>(frames.left);
+  }
+  return hands;
+}
+
+TEST(Joints, OfAClockThatDoesNotRunInSecondsGiveNoHand) {
+  const auto running = [](double times) { return [=](int) { return 0.01 * times; }; };
+  EXPECT_EQ(with_a_hand(running(1)), 300);
+  EXPECT_EQ(with_a_hand(running(1.0001)), 300);
+  EXPECT_EQ(with_a_hand([](int i) { return i == 0 ? 0 : i == 1 ? 5.0 : 0.01; }), 300) << "a frame that waited";
+  EXPECT_EQ(with_a_hand([](int i) { return i % 50 == 0 ? 0.451 : 0.001; }), 300) << "delays that grow and end";
+  EXPECT_LE(with_a_hand(running(1000)), 2) << "milliseconds";
+  EXPECT_LE(with_a_hand(running(1e6)), 2) << "microseconds";
+  EXPECT_LE(with_a_hand(running(30)), 5) << "the frame's number at 30 Hz";
+  EXPECT_LE(with_a_hand([](int) { return -2.0; }), 2) << "it starts again with each frame";
+  EXPECT_LE(with_a_hand([](int i) { return i % 2 == 0 ? 100.01 : -99.99; }), 2) << "two trackers";
+  // It was started again: after a second, it is trusted.
+  EXPECT_NEAR(with_a_hand([](int i) { return i == 50 ? -50 : 0.01; }), 200, 1);
 }
 
 class JointsFile : public testing::Test {
@@ -280,6 +318,17 @@ TEST_F(JointsFile, TellsOnceOfHandsInDoubtAndCountsThem) {
   const std::string kind = "a hand with a radius outside of 1 to 40 mm, or with a bone longer than 150 mm\n";
   EXPECT_EQ(said, "palpa: warning: joints:" + file.string() + ": palpa leaves out " + kind +
                       "palpa: warning: joints:" + file.string() + ": 3 times, palpa left out " + kind);
+}
+
+TEST(LeftOut, TellsEachReasonOnce) {
+  const std::string said = test::stderr_of([] {
+    LeftOut left_out("it");
+    for (const char* why : {"one", "two", "one", "two"})
+      left_out.add("a datagram that is no frame", why);
+  });
+  const std::string warning = "palpa: warning: it: ", kind = "a datagram that is no frame";
+  EXPECT_EQ(said, warning + "palpa leaves out " + kind + ": one\n" + warning + "palpa leaves out " + kind + ": two\n" +
+                      warning + "4 times, palpa left out " + kind + "\n");
 }
 
 TEST_F(JointsFile, IsRefusedWithTheLine) {

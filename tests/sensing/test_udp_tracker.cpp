@@ -99,6 +99,33 @@ TEST(UdpTracker, LeavesOutWhatIsNoFrameAndCountsIt) {
   EXPECT_CONTAINS(said, ": 2 times, palpa left out a frame that is not newer than the one before\n");
 }
 
+TEST(UdpTracker, LeavesOutHandsOfAClockThatDoesNotRunInSeconds) {
+  const std::string said = test::stderr_of([] {
+    Heard heard;
+    for (int i = 0; i < 2; ++i) {  // how fast a clock runs shows from the third on
+      heard.sender.send(frame_at(1e-3 * i));
+      ASSERT_TRUE(heard.next());
+      EXPECT_EQ(heard.frame.hands.size(), 1U) << i;
+    }
+    for (int i = 1; i < 6; ++i) {
+      heard.sender.send(test::line_of({16.0 * i, {test::pointing_hand({0.1, 0.1, 0})}}));
+      ASSERT_TRUE(heard.next());
+      EXPECT_TRUE(heard.frame.hands.empty()) << i;
+    }
+  });
+  EXPECT_CONTAINS(said, ": palpa leaves out the hands of frames whose times do not run with this computer's clock: ");
+  EXPECT_CONTAINS(said, ": 5 times, palpa left out the hands of frames whose times do not run");
+}
+
+TEST(UdpTracker, TakesAllThatWaitedBeforeTheFirstFrame) {
+  Heard heard;
+  for (int i = 0; i < 80; ++i)  // short ones: the system holds them all
+    heard.sender.send("{\"t_s\": " + std::to_string(i) + ", \"hands\": []}");
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.time_s, 79);
+  EXPECT_EQ(heard.number, 79U);
+}
+
 TEST(UdpTracker, AFloodNeitherBlocksNorGrows) {
   for (const bool frames : {true, false}) {
     const std::string said = test::stderr_of([&] {

@@ -148,5 +148,24 @@ TEST(Haptics, EveryFingerPlaysAsItsSolidAsks) {
   EXPECT_EQ(slots, 40U);
 }
 
+TEST(Haptics, ATextureTakesThePlaceOfTheModulation) {
+  geometry::Haptics smooth;
+  smooth.texture = {1, 0, 0};
+  const auto made = solids({smooth, {}});
+  touch::Touch touch;
+  touch.fingers = {finger(8, 0, 1), finger(9, 1, 1)};  // foci that stand still
+  touch.finger_count = 2;
+  array::Schedule schedule;
+  for (const bool steady : {false, true}) {
+    Scheduler scheduler("scene.glb", made, {}, {.steady = steady});
+    scheduler.make(touch, 1.0, schedule, {.follows = true});
+    EXPECT_EQ(schedule.voices[0].modulation_hz, steady ? 200 : 0) << "a link that is too slow plays no texture";
+    EXPECT_EQ(schedule.voices[1].modulation_hz, 200);
+    scheduler.change_feel(1, {.texture = array::Texture{0, 0, 1}});
+    scheduler.make(touch, 1.01, schedule, {.follows = true});
+    EXPECT_EQ(schedule.voices[1].modulation_hz, steady ? 200 : 0);
+  }
+}
+
 }  // namespace
 }  // namespace palpa::session

@@ -190,9 +190,37 @@ TEST(FociLink, GivesGainsThatChangeFromTheFirstSlotOn) {
   JsonWriter json;
   write_foci_line(schedule, {.from = 21, .until = 25}, {}, json);
   EXPECT_CONTAINS(std::string(json.finish()), R"("gain":1,"slot_s":0.0015,"gains":[0.5,0.25,0.25,0.25]})");
-  write_foci_line(schedule, {.from = 0, .until = 1'000'000}, {}, json);
-  const std::string all(json.finish());
-  EXPECT_EQ(std::ranges::count(all.substr(all.find("gains")), ','), most_cycle - 1) << "as many as a plan lists";
+}
+
+TEST(FociLink, GivesTheGainsOfAllSlotsToTheLastBit) {
+  array::Schedule schedule = one_finger();
+  schedule.slot_s = 1e-4;
+  array::Course& course = schedule.voices[0].course;
+  course = {.slots = 500, .texture = {1, 2, 3}};
+  course.to.motion = 1;
+  JsonWriter json;
+  EXPECT_TRUE(write_foci_line(schedule, {.from = 10, .until = 1010}, {}, json)) << "100 ms of 0.1 ms";
+  const auto gains = nlohmann::json::parse(json.finish())["fingers"][0]["gains"].get<std::vector<double>>();
+  ASSERT_EQ(gains.size(), 1000U);
+  for (std::uint64_t n = 0; n < gains.size(); ++n)
+    EXPECT_EQ(gains[n], array::modulate(course, 10 + n, schedule.slot_s));
+
+  // If there are more, it says so.
+  const array::Voice voice = schedule.voices[0];
+  schedule.add_voice() = voice;
+  EXPECT_FALSE(write_foci_line(schedule, {.from = 0, .until = 1'000'000}, {}, json));
+  const auto cut = nlohmann::json::parse(json.finish())["fingers"];
+  EXPECT_EQ(cut[0]["gains"].size() + cut[1]["gains"].size(), most_gains);
+  Setting s;
+  const test::UdpReceiver receiver;
+  const std::string said = test::stderr_of([&] {
+    const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
+    for (int frame = 0; frame < 3; ++frame)
+      link->plan({.schedule = schedule, .slots = {.from = 0, .until = 5000}});
+    link->plan({.schedule = one_finger(), .slots = {.from = 0, .until = 5000}});
+  });
+  EXPECT_EQ(std::ranges::count(said, '\n'), 1) << said;
+  EXPECT_CONTAINS(said, "link foci: a line has at most 2048 gains that change");
 }
 
 /// The largest number of fingers and foci: about 160 kB of JSON.

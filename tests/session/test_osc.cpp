@@ -20,6 +20,7 @@
 #include "session/control/osc.hpp"
 #include "session/control/osc_message.hpp"
 #include "support/begins.hpp"
+#include "support/captured.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
@@ -112,7 +113,7 @@ TEST_F(OscTest, TheNewestValuesAreThereAtTheNextFrame) {
   UdpSender sender(address, "test", "");
   sender.send(message("/palpa/gain", {0.5F}));  // it waits until somebody listens
   EXPECT_EQ(osc.gain(), 1.0);
-  osc.listen(session.solids(), moves);
+  osc.listen(session, moves);
   EXPECT_TRUE(test::begins([&] { return osc.gain() == 0.5; }));
   for (int n = 0; n < 10; ++n)
     sender.send(message("/palpa/pose/cube", {0, 0, 0.001F * static_cast<float>(n)}));
@@ -130,7 +131,7 @@ TEST_F(OscTest, TheNewestValuesAreThereAtTheNextFrame) {
 
 TEST_F(OscTest, ASolidFeelsAsMessagesSay) {
   Osc osc(address);
-  osc.listen(session.solids(), moves);
+  osc.listen(session, moves);
   EXPECT_EQ(felt(osc, 1e-3F).gain, 1);
   settle(osc, message("/palpa/stiffness/cube", {0, 0.25F}));
   EXPECT_NEAR(felt(osc, 1e-3F).gain, 0.5, 1e-6);
@@ -181,7 +182,7 @@ TEST_F(OscTest, AFeelThatCannotBeIsRefusedAndChangesNothing) {
       {"texture", {1, 0, 0, 0}},
   };
   Osc osc(address);
-  osc.listen(session.solids(), moves);
+  osc.listen(session, moves);
   for (const auto& [what, numbers] : table)
     settle(osc, message("/palpa/" + std::string(what) + "/cube", numbers));
   settle(osc, message("/palpa/texture/sphere", {0, 1, 1}));
@@ -190,13 +191,49 @@ TEST_F(OscTest, AFeelThatCannotBeIsRefusedAndChangesNothing) {
   // Without a press depth, nothing can click. That it does not is no fault.
   Session other{SessionSetting{.solids = cube_called("cube"), .feel_may_change = true}};
   session.exchange_scene(other);
-  osc.set_solids(session.solids());
+  osc.set_scene(session);
   settle(osc, message("/palpa/click/cube", {1}));
   settle(osc, message("/palpa/click/cube", {0}));
   EXPECT_GT(felt(osc, 4e-3F).foci.size(), 1U);
   const MessageStats stats = osc.end();
   EXPECT_EQ(stats.refused, std::size(table) + 2);
   EXPECT_EQ(stats.taken, std::size(table) + 3 + 1);
+}
+
+TEST_F(OscTest, ClicksAndTexturesAreRefusedIfTheLinkCannotPlayThem) {
+  SessionSetting slow = setting_of_button();
+  slow.schedule.steady = true;
+  const Session other(slow);
+  Osc osc(address);
+  osc.listen(other, moves);
+  for (const auto& numbers : {std::vector<float>{1}, std::vector<float>{0}})
+    settle(osc, message("/palpa/click/cube", numbers));
+  for (const auto& weights : {std::vector<float>{1, 0, 1}, std::vector<float>{1, 0, 0}})
+    settle(osc, message("/palpa/texture/cube", weights));
+  settle(osc, message("/palpa/stiffness/cube", {0, 0.25F}));
+  const MessageStats stats = osc.end();
+  EXPECT_EQ(stats.refused, 2U);
+  EXPECT_EQ(stats.taken, 3U + 5U) << "with the gains that settle it";
+}
+
+TEST_F(OscTest, EachReasonIsToldOnce) {
+  const std::string said = test::stderr_of([&] {
+    Osc osc(address);
+    osc.listen(session, moves);
+    for (int n = 0; n < 3; ++n) {
+      settle(osc, message("/palpa/mute", {2}));
+      settle(osc, message("/palpa/pose/sphere", {0, 0, 0}));
+    }
+    EXPECT_EQ(osc.end().refused, 6U);
+  });
+  const auto times = [&](const std::string& what) {
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = said.find(what, at)) != std::string::npos; ++at)
+      ++count;
+    return count;
+  };
+  EXPECT_EQ(times("a message is refused: /palpa/mute: give 1 or 0; "), 1U) << said;
+  EXPECT_EQ(times("a message is refused: /palpa/pose/sphere: "), 1U) << said;
 }
 
 TEST_F(OscTest, OnlyASessionThatExpectsItChangesItsFeel) {
@@ -206,14 +243,14 @@ TEST_F(OscTest, OnlyASessionThatExpectsItChangesItsFeel) {
 
 TEST_F(OscTest, ValuesStayWhenTheSceneIsReadAgain) {
   Osc osc(address);
-  osc.listen(session.solids(), moves);
+  osc.listen(session, moves);
   UdpSender sender(address, "test", "");
   sender.send(message("/palpa/pose/cube", {0, 0.01F, 0}));
   EXPECT_TRUE(test::begins([&] { return osc.before_frame(session), moves.count == 1; }));
   Session other{SessionSetting{.solids = cube_called("other")}}, again{SessionSetting{.solids = cube_called("cube")}};
   for (Session* next : {&other, &again}) {
     session.exchange_scene(*next);
-    osc.set_solids(session.solids());
+    osc.set_scene(session);
     osc.before_frame(session);
     EXPECT_EQ(moves.count, next == &other ? 1 : 2);
   }
@@ -222,7 +259,7 @@ TEST_F(OscTest, ValuesStayWhenTheSceneIsReadAgain) {
 
 TEST_F(OscTest, AFloodBlocksNobody) {
   Osc osc(address);
-  osc.listen(session.solids(), moves);
+  osc.listen(session, moves);
   std::atomic<bool> over{false};
   std::thread flood([&] {
     UdpSender sender(address, "test", "");

@@ -157,9 +157,8 @@ TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
   const auto pressures = foci_pressures(session.plan(), session.setting());
   for (const double pressure : pressures[0])
     EXPECT_NEAR(pressure, 750, 2);
-  const bool timed = std::ranges::any_of(session.report().passes, [](const gpu::PassTime& pass) {
-    return std::string_view(pass.name) == "pressures";
-  });
+  const bool timed = std::ranges::any_of(
+      session.report().passes, [](const gpu::PassTime& pass) { return std::string_view(pass.name) == "pressures"; });
   EXPECT_EQ(timed, GetParam()) << "on the host, it is part of the drives";
 
   setting.solids[0].haptics.pressure_pa = 500;  // the solid's own value has precedence

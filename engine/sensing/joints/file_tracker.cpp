@@ -63,7 +63,7 @@ class FileTracker final : public Tracker {
     came = true;
     number = next_;
     out = frames_[next_++];
-    if (const auto doubt = check_.check(out)) left_out_.add(to_text(*doubt));
+    if (const auto doubt = check_.check(out, out.time_s)) left_out_.add(to_text(*doubt));
     return true;
   }
 

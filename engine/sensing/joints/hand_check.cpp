@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 
@@ -33,29 +34,48 @@ bool jumped(const TrackedHand& from, const TrackedHand& to, double time_s) {
 
 }  // namespace
 
-std::optional<HandDoubt> HandCheck::doubt_of(const TrackedHand& hand, double time_s) {
+/// Speeds are of the tracker's clock, so it has to run as palpa's does.
+bool HandCheck::trusts_clock(double time_s, double arrived_s) {
+  const double ahead_s = time_s - arrived_s;
+  const bool apart = std::abs(ahead_s - ahead_s_) > longest_delay_s;
+  const bool begins = frames_ < 2;  // the first frame may have waited for palpa
+  if (begins) ++frames_;
+  if (!begins && !apart && arrived_s - since_s_ < longest_delay_s) return trusted_;
+  trusted_ = begins || !apart;
+  ahead_s_ = ahead_s;
+  since_s_ = arrived_s;
+  return trusted_;
+}
+
+std::optional<HandDoubt> HandCheck::doubt_of(const TrackedHand& hand, double time_s, double arrived_s) {
   if (is_far(hand)) return HandDoubt::far;
   if (!is_of_person(hand)) return HandDoubt::size;
   Seen& seen = seen_[hand.left ? 1 : 0];
   const double since_s = time_s - seen.time_s;
   const bool follows = seen.known && since_s > 0 && since_s <= longest_gap_s;
-  const bool still = follows && hand == seen.hand;
+  const bool still = seen.known && hand == seen.hand;
   const bool jumps = follows && jumped(seen.hand, hand, since_s);
-  seen = {true, hand, time_s, still ? seen.moved_s : time_s};
+  seen = {true, hand, time_s, still ? seen.moved_s : arrived_s};
   if (jumps) return HandDoubt::jump;
-  if (time_s - seen.moved_s > longest_rest_s) return HandDoubt::frozen;
+  if (arrived_s - seen.moved_s > longest_rest_s) return HandDoubt::frozen;
   return std::nullopt;
 }
 
-std::optional<HandDoubt> HandCheck::check(TrackedFrame& frame) {
+std::optional<HandDoubt> HandCheck::check(TrackedFrame& frame, double arrived_s) {
   std::vector<TrackedHand>& hands = frame.hands;
+  const bool trusted = trusts_clock(frame.time_s, arrived_s);
+  if (hands.empty()) return std::nullopt;
+  if (!trusted) {
+    hands.clear();
+    return HandDoubt::clock;
+  }
   if (hands.size() > 2 || (hands.size() == 2 && hands[0].left == hands[1].left)) {
     hands.clear();
     return HandDoubt::crowd;
   }
   std::optional<HandDoubt> doubt;
   std::erase_if(hands, [&](const TrackedHand& hand) {
-    const std::optional<HandDoubt> why = doubt_of(hand, frame.time_s);
+    const std::optional<HandDoubt> why = doubt_of(hand, frame.time_s, arrived_s);
     if (why) doubt = why;
     return why.has_value();
   });
@@ -64,6 +84,8 @@ std::optional<HandDoubt> HandCheck::check(TrackedFrame& frame) {
 
 std::string to_text(HandDoubt doubt) {
   switch (doubt) {
+    case HandDoubt::clock:
+      return "the hands of frames whose times do not run with this computer's clock: t_s must be seconds";
     case HandDoubt::crowd:
       return "the hands of a frame that has more than one left and one right hand";
     case HandDoubt::far:

@@ -13,7 +13,8 @@ LeftOut::~LeftOut() {
 }
 
 void LeftOut::add(const std::string& kind, const std::string& why) {
-  if (counts_[kind]++ > 0) return;
+  const bool first = counts_[kind]++ == 0, other = !why.empty() && reasons_.writes(why);
+  if (!first && !other) return;
   log::warning(fmt::format("{}: palpa leaves out {}{}{}", source_, kind, why.empty() ? "" : ": ", why));
 }
 

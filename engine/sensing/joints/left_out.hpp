@@ -1,10 +1,13 @@
-// What a source leaves out. Each kind is reported when it first happens, and counted for a line at the end.
+// What a source leaves out. Each kind is reported when it first happens, then only with other reasons, and counted for
+// a line at the end.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
+
+#include "base/sparing.hpp"
 
 namespace palpa::sensing {
 
@@ -18,12 +21,13 @@ class LeftOut {
   LeftOut& operator=(const LeftOut&) = delete;
 
   /// `kind` is one of a few texts, such as "a datagram that is no frame". The first of its kind is a warning, which
-  /// also says why.
+  /// also says why. Another reason is a warning, too.
   void add(const std::string& kind, const std::string& why = {});
 
  private:
   std::string source_;
   std::map<std::string, std::uint64_t> counts_;
+  Sparing reasons_;
 };
 
 }  // namespace palpa::sensing

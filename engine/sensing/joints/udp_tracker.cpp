@@ -23,9 +23,9 @@ constexpr const char* form = "source joints takes udp:PORT or udp:HOST:PORT, for
 constexpr std::size_t most_datagram = 65536;
 /// At one time, so many datagrams are taken from the system, and of these the newest few are read.
 constexpr int most_taken = 64;
+/// Before the first frame, all that waited while palpa started, so that only that frame is old.
+constexpr int most_waiting = 4096;
 constexpr std::size_t most_read = 4;
-/// A frame that is older than the one before by more than this is of a tracker that was started again.
-constexpr double longest_delay_s = 1;
 const std::string its_name = "the datagram";
 
 class UdpTracker final : public Tracker {
@@ -54,7 +54,8 @@ class UdpTracker final : public Tracker {
     } while (!came && Clock::now() < until);
     if (!came) return true;
     number = number_ - 1;
-    if (const auto doubt = check_.check(out)) left_out_.add(to_text(*doubt));
+    const double arrived_s = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+    if (const auto doubt = check_.check(out, arrived_s)) left_out_.add(to_text(*doubt));
     return true;
   }
 
@@ -62,7 +63,7 @@ class UdpTracker final : public Tracker {
   /// Takes what has come, and keeps the newest few. Returns how many there were.
   std::size_t take() {
     std::size_t taken = 0;
-    for (int i = 0; i < most_taken; ++i) {
+    for (int i = 0; i < (number_ == 0 ? most_waiting : most_taken); ++i) {
       const std::optional<std::size_t> size = socket_.receive(buffer_);
       if (!size) break;
       newest_[taken++ % most_read].assign(buffer_, 0, *size);
@@ -73,6 +74,7 @@ class UdpTracker final : public Tracker {
     try {
       std::optional<TrackedFrame> frame = read_frame(datagram, its_name);
       if (!frame) return false;
+      // One that is older by more was sent by a tracker that was started again.
       if (last_s_ && frame->time_s <= *last_s_ && frame->time_s >= *last_s_ - longest_delay_s) {
         left_out_.add("a frame that is not newer than the one before");
         return false;

@@ -13,6 +13,9 @@ std::string_view LiveValues::change(std::string_view solid, const SolidValues& v
     const auto may_press = [&](const Known& known) { return is_it(known) && known.may_press; };
     if (feel.click && feel.click->burst_s > 0 && std::ranges::none_of(known_, may_press))
       return "the object has no palpa_press_depth_m, at which it would click";
+    const bool vibrates = feel.texture && feel.texture->low + feel.texture->high > 0;
+    if (steady_ && (vibrates || (feel.click && feel.click->burst_s > 0)))
+      return "the link cannot change in every slot, so it plays no clicks and no textures";
   }
   Named& named = values_of(solid);
   if (values.T_world_rest) {
@@ -33,10 +36,11 @@ LiveValues::Named& LiveValues::values_of(std::string_view solid) {
   return found != values_.end() ? *found : values_.emplace_back(Named{.solid = std::string(solid), .values = {}});
 }
 
-void LiveValues::set_solids(std::span<const geometry::Solid> solids) {
+void LiveValues::set_scene(const Session& session) {
   const std::lock_guard lock(mutex_);  // nobody holds it for longer than a search by name
   known_.clear();
-  for (const geometry::Solid& solid : solids)
+  steady_ = session.setting().schedule.steady;
+  for (const geometry::Solid& solid : session.solids())
     known_.push_back({solid.name, solid.haptics.press_depth_m.has_value()});
   again_ = true;
 }

@@ -6,13 +6,11 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/math.hpp"
-#include "geometry/solid.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
 #include "session/plan/feel.hpp"
@@ -49,8 +47,8 @@ class LiveValues {
 
   /// For Safety::gain_now: the gain, and 0 while it is muted. The next drive follows it.
   const std::atomic<double>& factor() const { return factor_; }
-  /// The scene has these solids from now on: all values hold for them. To be called before the first change().
-  void set_solids(std::span<const geometry::Solid> solids);
+  /// The session has its scene from now on: all values hold for its solids. To be called before the first change().
+  void set_scene(const Session& session);
   /// Gives the session what has changed, and reports it to the observer.
   void apply(Session& session, RunObserver& observer = no_observer);
 
@@ -77,6 +75,7 @@ class LiveValues {
   Newest<std::vector<Named>> newest_;
   std::mutex mutex_;
   std::vector<Known> known_;  ///< the solids of the scene
+  bool steady_ = false;       ///< ScheduleOptions::steady
 
   std::uint64_t applied_ = 0;  ///< the loop's: the newest change that the session has
   bool again_ = false;         ///< the loop's: the session has another scene

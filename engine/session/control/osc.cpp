@@ -148,8 +148,8 @@ Osc::~Osc() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Osc::listen(std::span<const geometry::Solid> solids, RunObserver& observer) {
-  values_.set_solids(solids);
+void Osc::listen(const Session& session, RunObserver& observer) {
+  values_.set_scene(session);
   observer_ = &observer;
   thread_ = start_thread("--osc", [this] { work(); });
 }
@@ -219,8 +219,9 @@ void Osc::take_message(std::span<char> bytes) {
 }
 
 void Osc::refuse(const std::string& why) {
-  if (stats_.refused++ == 0)
-    log::warning(fmt::format("{}: a message is refused: {}; further ones are only counted", name_, why));
+  ++stats_.refused;
+  if (!reasons_.writes(why)) return;
+  log::warning(fmt::format("{}: a message is refused: {}; further ones like it are only counted", name_, why));
 }
 
 }  // namespace palpa::session

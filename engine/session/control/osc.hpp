@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "base/sparing.hpp"
 #include "base/udp.hpp"
 #include "session/control/live_values.hpp"
 #include "session/loop/run_options.hpp"
@@ -30,9 +31,9 @@ class Osc final : public RunChanges {
 
   const std::atomic<double>& gain() const { return values_.factor(); }
   /// Messages count from now on, and `observer`, which must outlive the run, hears of solids that move.
-  void listen(std::span<const geometry::Solid> solids, RunObserver& observer);
+  void listen(const Session& session, RunObserver& observer);
   /// The scene was replaced. To be called from RunChanges::take_scene.
-  void set_solids(std::span<const geometry::Solid> solids) { values_.set_solids(solids); }
+  void set_scene(const Session& session) { values_.set_scene(session); }
   void before_frame(Session& session) override { values_.apply(session, *observer_); }
 
   /// No message counts any more. If several were refused, logs how many.
@@ -49,6 +50,7 @@ class Osc final : public RunChanges {
   LiveValues values_;
   RunObserver* observer_ = &no_observer;
   MessageStats stats_;  ///< the thread's
+  Sparing reasons_;     ///< the thread's
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };

@@ -23,7 +23,8 @@ class JsonFile final : public FociFile {
     out_.write(fmt::format("{{\"slot_s\":{},\"frames\":[", setting.slot_s));
   }
   void plan(const PlayedPlan& plan) override {
-    write_foci_line(plan.schedule, plan.slots, solid_names_, json_);
+    if (!write_foci_line(plan.schedule, plan.slots, solid_names_, json_) && !std::exchange(told_, true))
+      warn_of_cut_gains("--foci");
     std::string_view line = json_.finish();
     line.remove_prefix(1);  // its brace
     line.remove_suffix(1);  // and its newline
@@ -39,6 +40,7 @@ class JsonFile final : public FociFile {
   std::vector<std::string> solid_names_;
   JsonWriter json_;
   const char* between_ = "\n";
+  bool told_ = false;  ///< of gains that are cut
 };
 
 class CsvFile final : public FociFile {

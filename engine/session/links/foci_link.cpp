@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -26,12 +27,13 @@ class FociLink : public Link {
 
   void plan(const PlayedPlan& plan) override {
     const std::vector<std::string>& names = plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_;
-    write_foci_line(plan.schedule, plan.slots, names, json_);
+    const bool whole = write_foci_line(plan.schedule, plan.slots, names, json_);
     last_s_ = plan.schedule.time_s;
     ++lines_;
     heard_ = sender_.send(json_.finish());
     if (heard_) {
       lines_with_fingers_ += plan.schedule.voice_count > 0 ? 1 : 0;
+      if (!whole && !std::exchange(told_, true)) warn_of_cut_gains("link foci");
       return;
     }
     ++unsent_;
@@ -70,6 +72,7 @@ class FociLink : public Link {
   double last_s_ = 0;  ///< time of the last line
   std::uint64_t lines_ = 0, unsent_ = 0;
   bool heard_ = false;  ///< the last line was sent
+  bool told_ = false;   ///< of gains that are cut
   std::uint64_t played_ = 0, lines_with_fingers_ = 0;
 };
 
@@ -89,19 +92,19 @@ void write_order(const array::Voice& voice, JsonWriter& json) {
 
 namespace {
 
-/// At most most_cycle of them, because a datagram has to hold the line.
-void write_gains(const array::Course& course, const Slots& slots, double slot_s, JsonWriter& json) {
+void write_gains(const array::Course& course, std::uint64_t from, std::uint64_t count, double slot_s,
+                 JsonWriter& json) {
   json.member("slot_s", slot_s).key("gains").begin_array();
-  const std::uint64_t count = std::min<std::uint64_t>(slots.count(), most_cycle);
-  for (std::uint64_t slot = slots.from; slot < slots.from + count; ++slot)
-    json.rounded(array::modulate(course, slot, slot_s), 6);
+  for (std::uint64_t slot = from; slot < from + count; ++slot)
+    json.value(array::modulate(course, slot, slot_s));
   json.end_array();
 }
 
 }  // namespace
 
-void write_foci_line(const array::Schedule& schedule, const Slots& slots, std::span<const std::string> solid_names,
+bool write_foci_line(const array::Schedule& schedule, const Slots& slots, std::span<const std::string> solid_names,
                      JsonWriter& json) {
+  const std::uint64_t gains = std::min(slots.count(), most_gains / std::max(schedule.voice_count, 1U));
   json.clear();
   json.begin_object(JsonWriter::Style::compact).member("time_s", schedule.time_s);
   json.key("fingers").begin_array();
@@ -118,11 +121,19 @@ void write_foci_line(const array::Schedule& schedule, const Slots& slots, std::s
     json.member("dwell_s", voice.dwell_s).member("modulation_hz", voice.modulation_hz);
     if (voice.modulation_hz != 0) json.member("modulation", word_of(array::modulation_words, voice.modulation));
     json.member("gain", voice.gain);
-    if (voice.course.changes() && slots.count() > 0) write_gains(voice.course, slots, schedule.slot_s, json);
+    if (voice.course.changes() && gains > 0) write_gains(voice.course, slots.from, gains, schedule.slot_s, json);
     if (voice.reached_pa) json.member("pressure_pa", *voice.reached_pa);
     json.end_object();
   }
   json.end_array().end_object();
+  return gains == slots.count() || !array::changes(schedule);
+}
+
+void warn_of_cut_gains(const std::string& name) {
+  log::warning(
+      fmt::format("{}: a line has at most {} gains that change, fewer than it may play: the last one stays "
+                  "until the next line; give a longer dwell or a shorter hold",
+                  name, most_gains));
 }
 
 std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSetting& setting) {

@@ -28,9 +28,16 @@ std::unique_ptr<Link> open_foci_link(const std::string& argument, const LinkSett
 /// The order in which a voice's foci play: [0,3,...], or [[0,1,...]] if several sound together.
 void write_order(const array::Voice& voice, JsonWriter& json);
 
+/// All gains of a line. A datagram has to hold them.
+inline constexpr std::uint64_t most_gains = 2048;
+
 /// Writes the line as a complete document; `json` is cleared first and keeps its storage. `slots`: those that play it,
-/// for gains that change.
-void write_foci_line(const array::Schedule& schedule, const Slots& slots, std::span<const std::string> solid_names,
+/// for gains that change. Returns false if the line has the gains of the first of these slots only, because all fingers
+/// share most_gains.
+bool write_foci_line(const array::Schedule& schedule, const Slots& slots, std::span<const std::string> solid_names,
                      JsonWriter& json);
+
+/// Warns of it.
+void warn_of_cut_gains(const std::string& name);
 
 }  // namespace palpa::session

@@ -91,6 +91,7 @@ void Feel::shape(const touch::Touch& touch, double time_s, const Following& foll
     array::Voice& voice = schedule.voices[f];
     if (following.follows) {
       give(course_of(own, finger, frame), voice, frame.slot_s);
+      if (own.texture) voice.modulation_hz = 0;
       if (own.press_depth_m) click(own, finger, frame, voice);
       known(finger).seen_s = time_s;
     } else {

@@ -64,7 +64,7 @@ class Feel {
   void change(std::uint32_t solid, const FeelChange& change);
 
   /// Changes the voices of a frame's fingers, in the order of `touch`. A finger that clicks gets one focus at its
-  /// centroid, shifted by `aim`. Allocates nothing.
+  /// centroid, shifted by `aim`. A texture takes the place of the modulation. Allocates nothing.
   void shape(const touch::Touch& touch, double time_s, const Following& following, const Vec3& aim,
              array::Schedule& schedule);
 

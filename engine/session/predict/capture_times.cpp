@@ -13,8 +13,8 @@ namespace palpa::session {
 
 void CaptureTimes::report(bool& reported, double from_s, double to_s, const char* what) {
   if (std::exchange(reported, true)) return;
-  log::warning(fmt::format("the source's capture times {} (from {:.3f} s to {:.3f} s): a camera's ascend evenly", what,
-                           from_s, to_s));
+  log::warning(fmt::format("the source's capture times {} (from {:.3f} s to {:.3f} s): they have to ascend evenly",
+                           what, from_s, to_s));
 }
 
 bool CaptureTimes::is_time(double time_s) {

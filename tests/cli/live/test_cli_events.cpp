@@ -184,9 +184,9 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   // Slots from the first drive that sounds to the last one.
   const auto sounding = [&](const std::string& hold) {
     const std::string drives = (folder / ("drives" + hold)).string();
-    const Result result =
-        palpa_here({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(), "--backend", "cpu",
-               "--layout", "sonicsurface", "--every-frame", "--hold", hold, "--link", "record:" + drives, "--quiet"});
+    const Result result = palpa_here({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(),
+                                      "--backend", "cpu", "--layout", "sonicsurface", "--every-frame", "--hold", hold,
+                                      "--link", "record:" + drives, "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<std::uint64_t> slots;
     for (const session::RecordedDrive& recorded : session::read_drive_recording(drives).drives) {

@@ -104,7 +104,7 @@ class Nudge : public testing::Test {
 TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   const Result result =
       palpa_here(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
-                 {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json"), "--hold", "10s"}));
+                      {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json"), "--hold", "10s"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Vec3 offset(0.0029, 0.0, -0.0012);
   const json said = json::parse(read_text(file("nudge.json")));

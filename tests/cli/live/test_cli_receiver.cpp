@@ -103,9 +103,9 @@ TEST(Receiver, PlaysWhatItIsTold) {
   const PythonReceiver receiver("plays");
   ASSERT_TRUE(receiver.says("listening"));
 
-  const Result result = palpa(
-      with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--hold", "1s", "--link", receiver.link()},
-           small_frames()));
+  const Result result =
+      palpa(with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--hold", "1s", "--link", receiver.link()},
+                 small_frames()));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   ASSERT_TRUE(receiver.says(": silent", 10));
   const std::size_t before = receiver.lines().size();
@@ -190,7 +190,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
                                         with(R"("gain": 1)", R"("gain": 2)"),
                                         with(R"("modulation_hz": 0)", R"("modulation_hz": 200)"),
                                         with(R"("id": 1,)", "")};
-  // None of them may prolong what sounds.
+  // A line that is refused must not prolong what sounds.
   for (const std::string& stray : strays) {
     receiver.sender.send(stray);
     std::this_thread::sleep_for(10ms);

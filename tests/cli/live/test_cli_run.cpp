@@ -94,9 +94,9 @@ Result on_small_disk(const std::filesystem::path& disk, const std::string& size,
 TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
   if (instrumented()) GTEST_SKIP() << "skipped: half a minute in the driver's compiler, which is not instrumented";
   const auto folder = scratch_folder("cold");
-  const std::vector<std::string> options = with(
-      small_frames(), {"--link", "record:" + (folder / "d.bin").string(), "--stats", "json", "--log-level", "info",
-                       "--hold", "2s"});  // less than a compiler takes
+  const std::vector<std::string> options =
+      with(small_frames(), {"--link", "record:" + (folder / "d.bin").string(), "--stats", "json", "--log-level", "info",
+                            "--hold", "2s"});  // less than a compiler takes
   Result result = on_small_disk(folder / "disk", "400k", options);
   if (result.exit_code == 77) {
     result = palpa(with({"run", "--scene", cube(), "--frames", "60"}, options),
@@ -232,7 +232,7 @@ TEST(CliRun, ARampTakesAmplitudesUpAndDown) {
 
 TEST(CliRun, FociThatStandStillAreModulatedAsAsked) {
   const auto expect_modulation = [](int hz, const std::vector<std::string>& asked) {
-    const std::vector<std::string> line{"--frames", "20",  "--every-frame", "--hold",      "1s",
+    const std::vector<std::string> line{"--frames",  "20",  "--every-frame", "--hold",      "1s",
                                         "--backend", "cpu", "--method",      "single-focus"};
     const json finger = first_finger(foci_lines(with(with(line, small_frames()), asked)));
     ASSERT_FALSE(finger.is_null());

@@ -194,8 +194,13 @@ TEST(CliSilence, TheDiskOfItsFilesOrOfItsMessagesDoesNotAnswer) {
     warned.hear(0, 60);
     warned.expect_silent_end(run);
   };
-  side_by_side({[&] { writes(recorded, {"--record", recorded.folder / "take"}); },
-                [&] { writes(told, {"--events", told.folder / "events", "--event-move", "0"}); }, messages});
+  side_by_side({[&] {
+                  writes(recorded, {"--record", recorded.folder / "take"});
+                },
+                [&] {
+                  writes(told, {"--events", told.folder / "events", "--event-move", "0"});
+                },
+                messages});
 }
 
 TEST(CliSilence, TheDiskOfItsDrivesDoesNotAnswer) {

@@ -70,8 +70,8 @@ TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
   const Outcome outcome = run({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err,
-            "palpa: warning: the source's capture times run backwards (from 10.010 s to 0.000 s): a "
-            "camera's ascend evenly\npalpa: warning: " +
+            "palpa: warning: the source's capture times run backwards (from 10.010 s to 0.000 s): they "
+            "have to ascend evenly\npalpa: warning: " +
                 folder.string() + ": 2 of 5 frames are missing, because the source's clock stepped back\n");
   const auto stats = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(stats["frames"]["planned"], 5);

@@ -249,8 +249,8 @@ TEST(Guard, ALoopThatIsStoppedIsSilentAndGoesOnWhenItContinues) {
 }
 
 TEST(Guard, AGuardThatIsKilledOrStoppedIsFollowedByOneThatSilences) {
-  for (const auto& [signal, what] : {std::pair{SIGKILL, "signal 9 ended palpa-guard"},
-                                     {SIGSTOP, "palpa-guard took no drive for 1 s"}}) {
+  for (const auto& [signal, what] :
+       {std::pair{SIGKILL, "signal 9 ended palpa-guard"}, {SIGSTOP, "palpa-guard took no drive for 1 s"}}) {
     Rig rig;
     rig.open();
     rig.send_for(10ms);
