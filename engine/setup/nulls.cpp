@@ -20,6 +20,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "line/values.hpp"
+#include "session/links/spec.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -154,6 +155,28 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
       worst.focus + 1, worst.part);
   if (worst.part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
   log::warning(line);
+}
+
+std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+                            double ceiling) {
+  const std::string name = session::parse_spec(link).name;
+  const auto board = std::ranges::find(layout.boards, name, &array::Board::type);
+  if (board == layout.boards.end()) return {};
+  const bool uniform = constraint == array::Constraint::uniform;
+  if (!board->has_amplitudes() && (!uniform || ceiling < 1)) {
+    return fmt::format(
+        "--null: the boards of --link {} have no amplitudes, and a ceiling turns transducers off: nulls are only 10 to "
+        "30 dB below the foci; with --constraint uniform and without a ceiling, they are about 50 dB below",
+        name);
+  }
+  constexpr double least_ceiling = 0.25;  // of the 64 pulse widths, to about 10
+  if (name == "openmpd" && !uniform && ceiling < least_ceiling) {
+    return fmt::format(
+        "--null: at the ceiling {:g}, the boards of --link {} have few amplitudes: nulls are only 20 to 40 dB below "
+        "the foci; with --constraint uniform, they are about 50 dB below",
+        ceiling, name);
+  }
+  return {};
 }
 
 NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,

@@ -24,6 +24,11 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
 void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
                  const array::DriveOptions& options);
 
+/// A line about a link to boards of the layout that round amplitudes so coarsely that nulls are less than 40 dB below
+/// the foci; empty otherwise.
+std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+                            double ceiling);
+
 /// The sound of a drive at one of its nulls.
 struct SilentPlace {
   array::Null null;

@@ -175,8 +175,7 @@ EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, 
   for (const std::string& name : layouts) {
     const array::Layout layout = placed != nullptr ? *placed : in_default_pose(array::load_layout(name));
     const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
-    const bool on_off =
-        std::ranges::any_of(layout.boards, [](const array::Board& board) { return board.type == "sonicsurface"; });
+    const bool on_off = !std::ranges::all_of(layout.boards, &array::Board::has_amplitudes);
     const bool equal = asks || on_off;
     const double factor = on_off ? std::sqrt(plan.level.ceiling) : plan.level.ceiling;
     const array::DriveOptions options{.constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
