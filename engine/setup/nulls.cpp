@@ -97,6 +97,18 @@ NearestPair nearest_pair(const array::Layout& layout, std::span<const array::Slo
   return nearest;
 }
 
+void refuse_foci_within(std::span<const array::SlotFocus> foci, std::span<const array::Null> nulls) {
+  for (std::size_t i = 0; i < nulls.size(); ++i) {
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      const double apart_m = glm::distance(nulls[i].position, foci[j].position);
+      if (nulls[i].radius_m < apart_m) continue;
+      throw bad_usage(fmt::format("--null: focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
+                                  "or a null farther away",
+                                  j + 1, i + 1, apart_m * 1e3));
+    }
+  }
+}
+
 /// The pressure of the focus that lost most, relative to the drive without nulls.
 double kept_of(const array::Layout& layout, const acoustics::FociPressure& pressure,
                std::span<const array::SlotFocus> foci, const array::DriveOptions& options, std::size_t& focus) {
@@ -147,6 +159,7 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
                  const array::DriveOptions& options) {
   if (!options.nulls) return;
   const NearestPair worst = nearest_pair(layout, foci, options);
+  if (worst.part < array::gs_pat_same) refuse_foci_within(foci, options.nulls->nulls());
   if (worst.part < array::gs_pat_crowded) return;
   const std::string line = fmt::format(
       "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
@@ -179,6 +192,10 @@ std::string doubt_of_boards(const std::string& link, const array::Layout& layout
   return {};
 }
 
+std::string beside_weakest(double depth_db, int decimals) {
+  return fmt::format("{:.{}f} dB {} the weakest focus", std::abs(depth_db), decimals, depth_db > 0 ? "above" : "below");
+}
+
 NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
                         std::span<const array::SlotFocus> foci, const array::DriveOptions& options) {
   NullReport report;
@@ -208,8 +225,8 @@ NullReport report_nulls(const array::Layout& layout, std::span<const array::Tran
   }
   const SilentPlace& loudest = *std::ranges::max_element(report.places, {}, &SilentPlace::depth_db);
   if (loudest.depth_db > wanted_db) {
-    log::warning(fmt::format("--null: null {} is only {:.1f} dB below the weakest focus",
-                             &loudest - report.places.data() + 1, -loudest.depth_db));
+    log::warning(fmt::format("--null: null {} is {}{}", &loudest - report.places.data() + 1,
+                             loudest.depth_db < 0 ? "only " : "", beside_weakest(loudest.depth_db, 1)));
   }
   return report;
 }

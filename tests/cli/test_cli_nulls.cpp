@@ -129,6 +129,7 @@ TEST(CliNulls, RefusesWhatCannotBe) {
   refused({"--null", "0,2cm,3"}, "m from the nearest transducer");
   refused({"--null", "-78.75mm,78.75mm,0"}, "transducer 0");
   refused({"--null", "0,0,150mm"}, "null 1 is 0.00 mm from focus 1, closer than the array resolves");
+  refused({"--null", "2cm,0,150mm", "--null", "0,4.9mm,150mm,5mm"}, "focus 1 is within null 2, 4.90 mm from its centre");
   refused({"--null", "0,0,160mm"}, "closer than the array resolves");  // along the board's axis
   refused({"--null", "0,2cm,0.15", "--solver", "greedy"}, "--null goes with --solver gs-pat");
   refused({"--null", "0,2cm,0.15", "--pressure", "500Pa"}, "--null: --pressure sets how loud foci are");

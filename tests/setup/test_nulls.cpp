@@ -29,5 +29,10 @@ TEST(NullsOfBoards, AreDoubtedWhereAmplitudesAreCoarse) {
   EXPECT_EQ(doubt_of_boards("autd3", array::load_layout("autd3"), Constraint::normalise, 0.04), "");
 }
 
+TEST(NullsInWords, LevelsAreBelowOrAbove) {
+  EXPECT_EQ(setup::beside_weakest(-42.34, 1), "42.3 dB below the weakest focus");
+  EXPECT_EQ(setup::beside_weakest(11.2, 0), "11 dB above the weakest focus");
+}
+
 }  // namespace
 }  // namespace palpa::test
