@@ -102,7 +102,7 @@ void refuse_foci_within(std::span<const array::SlotFocus> foci, std::span<const 
     for (std::size_t j = 0; j < foci.size(); ++j) {
       const double apart_m = glm::distance(nulls[i].position, foci[j].position);
       if (nulls[i].radius_m < apart_m) continue;
-      throw bad_usage(fmt::format("--null: focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
+      throw bad_usage(fmt::format("focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
                                   "or a null farther away",
                                   j + 1, i + 1, apart_m * 1e3));
     }
@@ -137,7 +137,8 @@ void add_null_option(const line::Group& group, DriveOptionsGroup& options, const
 
 void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options) {
   if (group.nulls.empty()) return;
-  if (layout.transducers.empty()) throw bad_usage("--null: there is no array whose sound could be zero anywhere");
+  if (layout.transducers.empty())
+    throw bad_usage(group.nulls_from + ": there is no array whose sound could be zero anywhere");
   if (group.nulls.size() > array::most_nulls) {
     throw bad_usage(
         fmt::format("--null: {} nulls are more than the {} of a drive", group.nulls.size(), array::most_nulls));
@@ -147,7 +148,7 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
   for (const std::string& text : group.nulls) {
     nulls.push_back(parse_null(text));
     const Vec3& place = nulls.back().position;
-    const std::string what = fmt::format("--null: '{}'", shortened(printable(text), 60));
+    const std::string what = fmt::format("{}: null '{}'", group.nulls_from, shortened(printable(text), 60));
     refuse_place(layout, place, what);
     if (const std::string odd = array::implausible_place(layout, {place, place}); !odd.empty())
       throw bad_usage(what + " " + odd);
@@ -162,7 +163,7 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
   if (worst.part < array::gs_pat_same) refuse_foci_within(foci, options.nulls->nulls());
   if (worst.part < array::gs_pat_crowded) return;
   const std::string line = fmt::format(
-      "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
+      "null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
       "sound",
       worst.null + 1, glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3,
       worst.focus + 1, worst.part);
@@ -220,12 +221,12 @@ NullReport report_nulls(const array::Layout& layout, std::span<const array::Tran
   std::size_t focus = 0;
   report.kept = kept_of(layout, pressure, foci, options, focus);
   if (report.kept < least_kept) {
-    log::warning(fmt::format("--null: focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1,
+    log::warning(fmt::format("focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1,
                              report.kept));
   }
   const SilentPlace& loudest = *std::ranges::max_element(report.places, {}, &SilentPlace::depth_db);
   if (loudest.depth_db > wanted_db) {
-    log::warning(fmt::format("--null: null {} is {}{}", &loudest - report.places.data() + 1,
+    log::warning(fmt::format("null {} is {}{}", &loudest - report.places.data() + 1,
                              loudest.depth_db < 0 ? "only " : "", beside_weakest(loudest.depth_db, 1)));
   }
   return report;

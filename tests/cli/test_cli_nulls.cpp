@@ -129,7 +129,8 @@ TEST(CliNulls, RefusesWhatCannotBe) {
   refused({"--null", "0,2cm,3"}, "m from the nearest transducer");
   refused({"--null", "-78.75mm,78.75mm,0"}, "transducer 0");
   refused({"--null", "0,0,150mm"}, "null 1 is 0.00 mm from focus 1, closer than the array resolves");
-  refused({"--null", "2cm,0,150mm", "--null", "0,4.9mm,150mm,5mm"}, "focus 1 is within null 2, 4.90 mm from its centre");
+  refused({"--null", "2cm,0,150mm", "--null", "0,4.9mm,150mm,5mm"},
+          "focus 1 is within null 2, 4.90 mm from its centre");
   refused({"--null", "0,0,160mm"}, "closer than the array resolves");  // along the board's axis
   refused({"--null", "0,2cm,0.15", "--solver", "greedy"}, "--null goes with --solver gs-pat");
   refused({"--null", "0,2cm,0.15", "--pressure", "500Pa"}, "--null: --pressure sets how loud foci are");
@@ -192,6 +193,10 @@ TEST(CliNulls, PalpasOwnPatternsHaveNames) {
     EXPECT_GT(drive["pressures_pa"][0].get<double>(), 1000) << name;
     EXPECT_EQ(drive.contains("nulls"), std::string(name) == "carter");
   }
+  // A user who gave no --null does not read of it.
+  expect_failure(palpa_here({"drive", "--layout", "openmpd", "--pattern", "carter"}), 2, "--pattern carter: null '");
+  expect_failure(palpa_here({"drive", "--layout", "paper", "--pattern", "carter", "--solver", "naive"}), 2,
+                 "--pattern carter goes with --solver gs-pat");
   expect_failure(palpa_here({"drive", "--layout", "paper", "--pattern", "carters"}), 4, "neither a file nor a known");
 }
 

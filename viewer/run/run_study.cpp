@@ -61,7 +61,7 @@ study::EarLevel level_of(const study::StudyPlan& plan, const StudyShapes& shapes
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
   study::EarLevel level = study::predict_ear_level(plan, objects, placed ? &*placed : nullptr);
-  if (!options.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
+  if (!options.override_by.empty() && study::needs_approval(plan, level).empty())
     throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
   if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
   study::refuse_loud(plan, level, options.override_by);

@@ -206,7 +206,7 @@ EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, 
 }
 
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level) {
-  if (!level.measured || *level.measured > level.predicted_db() - unlikely_reading_db) return {};
+  if (!level.measured || *level.measured > level.predicted_db() - reflections_db) return {};
   return fmt::format(
       "{}: measured_db means {:.1f} dB at the plan's ceiling, but {:.1f} dB are predicted; a sound-level meter with an "
       "A or C filter does not hear 40 kHz",
@@ -224,15 +224,25 @@ const std::vector<EarLimit>& ear_limits() {
   return limits;
 }
 
+std::string needs_approval(const StudyPlan& plan, const EarLevel& level) {
+  if (const double above_db = level.loudest_db() - plan.level.limit_db; above_db > 0) {
+    const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
+    return fmt::format(
+        "{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its [level] from "
+        "{} to {:g}, or move the participant away",
+        plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
+        std::floor(fits * 1000) / 1000);
+  }
+  if (const double below_db = level.predicted_db() - level.loudest_db(); below_db > impossible_reading_db) {
+    return fmt::format(
+        "{}: measured_db is {:.0f} dB below the prediction, so it is not of this sound: measure again, or leave it out",
+        plan.file, below_db);
+  }
+  return {};
+}
+
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {
-  const double above_db = level.loudest_db() - plan.level.limit_db;
-  if (above_db <= 0 || !signature.empty()) return;
-  const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
-  throw bad_usage(
-      fmt::format("{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its "
-                  "[level] from {} to {:g}, or move the participant away",
-                  plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
-                  std::floor(fits * 1000) / 1000));
+  if (const std::string why = needs_approval(plan, level); !why.empty() && signature.empty()) throw bad_usage(why);
 }
 
 }  // namespace palpa::study

@@ -1,8 +1,8 @@
 // How loud the array will be at a participant's ears, before anybody sits in front of it: as predicted, or as measured.
 //
 // The prediction is the loudest ultrasound within 10 cm of an ear that any of many drives causes: of one focus and of
-// several at once, all over the space in which the objects of the plan are felt, in free air. Silent places (nulls) do not count.
-// Reflections from hands and tables may add or take away 10 dB.
+// several at once, all over the space in which the objects of the plan are felt, in free air. Silent places (nulls) do
+// not count. Reflections from hands and tables may add or take away 10 dB.
 #pragma once
 
 #include <array>
@@ -46,8 +46,9 @@ inline constexpr double ear_ball_m = 0.1;
 /// What other drives than those that are tried may add, with equal amplitudes and otherwise: of 1000 random ones on
 /// `openmpd` and in `paper`, none was louder by more. It is in the prediction.
 inline constexpr double untried_equal_db = 1.5, untried_db = 0.2;
-/// A reading so far below the prediction is probably not of this sound.
-inline constexpr double unlikely_reading_db = 20;
+/// A reading that is farther below the prediction than reflections explain is doubted. One so far below is not of this
+/// sound.
+inline constexpr double impossible_reading_db = 20;
 
 /// `objects` are the boxes around the models of the plan's shapes, in their order; metres, world.
 ///
@@ -61,7 +62,7 @@ inline constexpr double unlikely_reading_db = 20;
 EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects,
                            const array::Layout* placed = nullptr);
 
-/// A line about a reading that is far below the prediction; empty otherwise.
+/// A line about a reading that is below the prediction by more than reflections_db; empty otherwise.
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level);
 
 /// Published limits for airborne ultrasound at 40 kHz, for comparison (docs/study.md).
@@ -72,8 +73,12 @@ struct EarLimit {
 };
 const std::vector<EarLimit>& ear_limits();
 
-/// Throws bad_usage if the level is above the plan's limit, unless somebody has signed that it may be: `signature` is a
-/// text such as the number of an ethics decision.
+/// Why nobody may be exposed to it without somebody's approval: it is above the plan's limit, or the reading that says
+/// that it is not is impossible. Empty if neither.
+std::string needs_approval(const StudyPlan& plan, const EarLevel& level);
+
+/// Throws bad_usage if it needs an approval, unless somebody has signed it: `signature` is a text such as the number of
+/// an ethics decision.
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature);
 
 }  // namespace palpa::study
