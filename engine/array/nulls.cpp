@@ -15,7 +15,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr std::size_t judges = 256;          // transducers that choose places
-constexpr double least_new = 1e-6;           // a row whose other rows explain it to this part is left out
 constexpr std::size_t most_candidates = 97;  // per ball, a centre and its surface
 
 /// The centre, then places spread over the sphere, more on one that is large in wavelengths.
@@ -121,7 +120,7 @@ Nulls::Nulls(const Layout& layout, const Medium& medium, Directivity directivity
         add_row(-inner_product(sounds, i, rows_, k), rows_, k, sounds, i);
     }
     const double left = std::sqrt(inner_product(sounds, i, sounds, i).real());
-    if (!(left > least_new * own)) continue;
+    if (!(left > null_deepest_rest * own)) continue;  // the rows before explain it
     add_row(1 / left, sounds, i, rows_, kept);
     rests_.push_back(chosen[i].rest);
     loudness_.push_back(loud[chosen[i].null]);

@@ -90,8 +90,8 @@ std::string null_line(const setup::DriveResult& result, std::size_t number) {
       place.null.radius_m > 0 ? fmt::format(" within {:.2f} mm", place.null.radius_m * 1e3) : std::string();
   const std::string built =
       result.spread ? "; " + range_text(result.spread->nulls_pa[number], 0) + " Pa as built" : std::string();
-  return fmt::format("null at ({:.2f}, {:.2f}, {:.2f}) mm: at most {:.3g} Pa{}, {:.0f} dB below the weakest focus{}\n",
-                     at.x * 1e3, at.y * 1e3, at.z * 1e3, place.loudest_pa, within, -place.depth_db, built);
+  return fmt::format("null at ({:.2f}, {:.2f}, {:.2f}) mm: at most {:.3g} Pa{}, {}{}\n", at.x * 1e3, at.y * 1e3,
+                     at.z * 1e3, place.loudest_pa, within, setup::beside_weakest(place.depth_db, 0), built);
 }
 
 std::string summary_of_drive(const setup::DriveResult& result) {

@@ -17,6 +17,7 @@
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/load.hpp"
+#include "setup/nulls.hpp"
 #include "setup/tracker.hpp"
 
 namespace palpa::setup {
@@ -132,6 +133,11 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
       osc_(open_osc(options_)),
       scene_state_(options_.reload ? look_at_scene(options_.scene) : SceneState{}),
       prepared_(prepare_live(options_, sources)) {
+  if (const session::SessionSetting& setting = session().setting(); setting.drive.nulls) {
+    const std::string doubt =
+        doubt_of_boards(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling);
+    if (!doubt.empty()) log::warning(doubt);
+  }
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), stop_, options_.every_frame);

@@ -20,6 +20,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "line/values.hpp"
+#include "session/links/spec.hpp"
 #include "setup/warnings.hpp"
 
 namespace palpa::setup {
@@ -96,6 +97,18 @@ NearestPair nearest_pair(const array::Layout& layout, std::span<const array::Slo
   return nearest;
 }
 
+void refuse_foci_within(std::span<const array::SlotFocus> foci, std::span<const array::Null> nulls) {
+  for (std::size_t i = 0; i < nulls.size(); ++i) {
+    for (std::size_t j = 0; j < foci.size(); ++j) {
+      const double apart_m = glm::distance(nulls[i].position, foci[j].position);
+      if (nulls[i].radius_m < apart_m) continue;
+      throw bad_usage(fmt::format("focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
+                                  "or a null farther away",
+                                  j + 1, i + 1, apart_m * 1e3));
+    }
+  }
+}
+
 /// The pressure of the focus that lost most, relative to the drive without nulls.
 double kept_of(const array::Layout& layout, const acoustics::FociPressure& pressure,
                std::span<const array::SlotFocus> foci, const array::DriveOptions& options, std::size_t& focus) {
@@ -124,7 +137,8 @@ void add_null_option(const line::Group& group, DriveOptionsGroup& options, const
 
 void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options) {
   if (group.nulls.empty()) return;
-  if (layout.transducers.empty()) throw bad_usage("--null: there is no array whose sound could be zero anywhere");
+  if (layout.transducers.empty())
+    throw bad_usage(group.nulls_from + ": there is no array whose sound could be zero anywhere");
   if (group.nulls.size() > array::most_nulls) {
     throw bad_usage(
         fmt::format("--null: {} nulls are more than the {} of a drive", group.nulls.size(), array::most_nulls));
@@ -134,7 +148,7 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
   for (const std::string& text : group.nulls) {
     nulls.push_back(parse_null(text));
     const Vec3& place = nulls.back().position;
-    const std::string what = fmt::format("--null: '{}'", shortened(printable(text), 60));
+    const std::string what = fmt::format("{}: null '{}'", group.nulls_from, shortened(printable(text), 60));
     refuse_place(layout, place, what);
     if (const std::string odd = array::implausible_place(layout, {place, place}); !odd.empty())
       throw bad_usage(what + " " + odd);
@@ -146,14 +160,41 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
                  const array::DriveOptions& options) {
   if (!options.nulls) return;
   const NearestPair worst = nearest_pair(layout, foci, options);
+  if (worst.part < array::gs_pat_same) refuse_foci_within(foci, options.nulls->nulls());
   if (worst.part < array::gs_pat_crowded) return;
   const std::string line = fmt::format(
-      "--null: null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
+      "null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
       "sound",
       worst.null + 1, glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3,
       worst.focus + 1, worst.part);
   if (worst.part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
   log::warning(line);
+}
+
+std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+                            double ceiling) {
+  const std::string name = session::parse_spec(link).name;
+  const auto board = std::ranges::find(layout.boards, name, &array::Board::type);
+  if (board == layout.boards.end()) return {};
+  const bool uniform = constraint == array::Constraint::uniform;
+  if (!board->has_amplitudes() && (!uniform || ceiling < 1)) {
+    return fmt::format(
+        "--null: the boards of --link {} have no amplitudes, and a ceiling turns transducers off: nulls are only 10 to "
+        "30 dB below the foci; with --constraint uniform and without a ceiling, they are about 50 dB below",
+        name);
+  }
+  constexpr double least_ceiling = 0.25;  // of the 64 pulse widths, to about 10
+  if (name == "openmpd" && !uniform && ceiling < least_ceiling) {
+    return fmt::format(
+        "--null: at the ceiling {:g}, the boards of --link {} have few amplitudes: nulls are only 20 to 40 dB below "
+        "the foci; with --constraint uniform, they are about 50 dB below",
+        ceiling, name);
+  }
+  return {};
+}
+
+std::string beside_weakest(double depth_db, int decimals) {
+  return fmt::format("{:.{}f} dB {} the weakest focus", std::abs(depth_db), decimals, depth_db > 0 ? "above" : "below");
 }
 
 NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
@@ -180,13 +221,13 @@ NullReport report_nulls(const array::Layout& layout, std::span<const array::Tran
   std::size_t focus = 0;
   report.kept = kept_of(layout, pressure, foci, options, focus);
   if (report.kept < least_kept) {
-    log::warning(fmt::format("--null: focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1,
+    log::warning(fmt::format("focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1,
                              report.kept));
   }
   const SilentPlace& loudest = *std::ranges::max_element(report.places, {}, &SilentPlace::depth_db);
   if (loudest.depth_db > wanted_db) {
-    log::warning(fmt::format("--null: null {} is only {:.1f} dB below the weakest focus",
-                             &loudest - report.places.data() + 1, -loudest.depth_db));
+    log::warning(fmt::format("null {} is {}{}", &loudest - report.places.data() + 1,
+                             loudest.depth_db < 0 ? "only " : "", beside_weakest(loudest.depth_db, 1)));
   }
   return report;
 }

@@ -19,10 +19,15 @@ void add_null_option(const line::Group& group, DriveOptionsGroup& options, const
 /// without transducers.
 void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options);
 
-/// Before a drive is made: throws bad_usage for a null at a focus, and warns of one that the array does not resolve
-/// from a focus.
+/// Before a drive is made: throws bad_usage for a null at a focus and for a focus within one, and warns of one that the
+/// array does not resolve from a focus.
 void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
                  const array::DriveOptions& options);
+
+/// A line about a link to boards of the layout that round amplitudes so coarsely that nulls are less than 40 dB below
+/// the foci; empty otherwise.
+std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+                            double ceiling);
 
 /// The sound of a drive at one of its nulls.
 struct SilentPlace {
@@ -35,6 +40,8 @@ struct NullReport {
   std::vector<SilentPlace> places;
   double kept = 1;  ///< pressure of the focus that lost most, relative to the same drive without nulls
 };
+/// "42 dB below the weakest focus", or above.
+std::string beside_weakest(double depth_db, int decimals);
 /// Without absorption, as in the solvers. Warns if a focus keeps less than half of its pressure, and if a null is less
 /// than 40 dB below the weakest focus.
 NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,

@@ -279,7 +279,8 @@ void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string&
   if (options.constraint) throw bad_usage("--constraint: " + who + ", which replaces it; leave one of them out");
   if (options.solver == SolverChoice::greedy)
     throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; use gs-pat or naive");
-  if (!options.nulls.empty()) throw bad_usage("--null: " + who + ", which nulls change; leave one of them out");
+  if (!options.nulls.empty())
+    throw bad_usage(options.nulls_from + ": " + who + ", which nulls change; leave one of them out");
 }
 
 void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids) {
@@ -303,9 +304,9 @@ array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Metho
   if (options.pressure_pa) refuse_beside_pressure(options, "--pressure sets how loud foci are");
   const bool silent = !options.nulls.empty();
   if (silent && !asks_for_finger(options).empty())
-    throw bad_usage("--null: nulls are places in free air: leave " + asks_for_finger(options) + " out");
+    throw bad_usage(options.nulls_from + ": nulls are places in free air: leave " + asks_for_finger(options) + " out");
   if (silent && options.solver && *options.solver != SolverChoice::gs_pat)
-    throw bad_usage("--null goes with --solver gs-pat: no other solver leaves places silent");
+    throw bad_usage(options.nulls_from + " goes with --solver gs-pat: no other solver leaves places silent");
   array::DriveOptions drive;
   drive.weighting = options.weighting;
   drive.constraint = options.constraint.value_or(array::Constraint::normalise);

@@ -141,7 +141,8 @@ struct DriveOptionsGroup {
   std::optional<double> pressure_pa;            ///< at each focus, instead of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
-  std::vector<std::string> nulls;  ///< texts of --null (nulls.hpp), which only some commands have
+  std::vector<std::string> nulls;     ///< texts of --null (nulls.hpp), which only some commands have
+  std::string nulls_from = "--null";  ///< who asks for them, for messages
 };
 /// Whether a command has a finger's mesh, so that foci may be computed from the sound around it. If not, it has no
 /// --transfer.

@@ -22,6 +22,7 @@ namespace {
 constexpr std::size_t most_bytes = 1u << 20;
 constexpr double farthest_m = 100;
 constexpr double same_place_m = 1e-6;
+constexpr double least_amplitude = 1e-4;  // relative to the loudest point
 
 /// A pattern being read. Amplitudes are the file's.
 struct Reader {
@@ -150,7 +151,7 @@ Pattern parse_pattern(std::string_view text, const std::string& file) {
   for (std::size_t i = 0; i < reader.amplitudes.size(); ++i) {
     Pattern::Point& point = reader.pattern.points[i];
     point.amplitude = static_cast<float>(reader.amplitudes[i] / loudest);
-    if (!(point.amplitude > 0))
+    if (!(reader.amplitudes[i] >= least_amplitude * loudest))
       throw bad_input(file, fmt::format("the amplitude {} is nothing beside {}", reader.amplitudes[i], loudest));
   }
   return std::move(reader.pattern);

@@ -4,7 +4,7 @@
 //
 //   [[point]]
 //   position_m = [0.01, 0, 0.15]                  # in the layout's own frame
-//   amplitude = 1                                 # relative to the loudest point; 0: silent
+//   amplitude = 1                                 # relative to the loudest point, from 1e-4 on; 0: silent
 //   radius_m = 0.0005                             # only of a silent point: a ball, at most 5 mm
 //
 //   [[curve]]                                     # points at equal distances along straight lines

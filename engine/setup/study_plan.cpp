@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/sha256.hpp"
 #include "base/text.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "study/plan/plan_file.hpp"
@@ -54,10 +56,16 @@ bool may_ask_pressure(const std::string& model) {
 
 }  // namespace
 
-void try_files(const study::StudyPlan& plan) {
-  for (const study::PlanShape& shape : plan.shapes)
-    (void)load_solids(shape.model);
+std::vector<Box> try_files(const study::StudyPlan& plan) {
+  std::vector<Box> boxes;
+  for (const study::PlanShape& shape : plan.shapes) {
+    const Activity work("reading " + shape.model);
+    const geometry::Scene scene = geometry::load_gltf(shape.model);
+    (void)solids_of(scene);
+    boxes.push_back(geometry::box_of(scene));
+  }
   if (plan.run.masking != "white" && plan.run.masking != "off") check_wav(plan.run.masking);
+  return boxes;
 }
 
 study::StudyPlan load_plan(const std::string& file) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "base/math.hpp"
 #include "study/plan/plan.hpp"
 
 namespace palpa::setup {
@@ -12,8 +14,8 @@ namespace palpa::setup {
 /// study::refuse_missing_files do.
 study::StudyPlan load_plan(const std::string& file);
 
-/// Reads the models and the masking sound of a plan, as a sitting will. Throws bad_input for a model that is no scene
-/// with a solid, and for a sound that is no WAV file.
-void try_files(const study::StudyPlan& plan);
+/// Reads the models and the masking sound of a plan, as a sitting will. Returns the box around each shape's model
+/// (geometry::box_of). Throws bad_input for a model that is no scene with a solid, and for a sound that is no WAV file.
+std::vector<Box> try_files(const study::StudyPlan& plan);
 
 }  // namespace palpa::setup

@@ -231,6 +231,16 @@ TEST(Nulls, RowsAreOrthonormalAndInTheOrderOfTheirRests) {
   EXPECT_EQ(nulls.loudness().size(), rows.rows);
 }
 
+// Two nulls nearly at one place are one: the second would cost pressure and silence nothing more.
+TEST(Nulls, NearlyTheSamePlaceCostsNothing) {
+  const Layout layout = load_layout("openmpd");
+  const Places one{{{{0, 0, 0.15}}}, {{{0.01, 0, 0.15}}}};
+  const auto loud = [&](const std::vector<Null>& nulls) {
+    return hear(layout, complex_of(drive_of(layout, one, nulls, Constraint::normalise)), one).weakest;
+  };
+  EXPECT_NEAR(loud({one.nulls[0], {{0.0100001, 0, 0.15}}}) / loud(one.nulls), 1, 1e-5);
+}
+
 TEST(Nulls, GainsStayAsAsked) {
   const Layout layout = load_layout("openmpd");
   std::mt19937 random(7);

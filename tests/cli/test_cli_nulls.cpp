@@ -105,6 +105,7 @@ TEST(CliNulls, WhatCannotBeIsRefused) {
       {at("0,2cm,3"), "m from the nearest transducer"},
       {at("-78.75mm,78.75mm,0"), "transducer 0"},
       {at("0,0,150mm"), "null 1 is 0.00 mm from focus 1, closer than the array resolves"},
+      {at("2cm,0,150mm", {"--null", "0,4.9mm,150mm,5mm"}), "focus 1 is within null 2, 4.90 mm from its centre"},
       {at("0,0,160mm"), "closer than the array resolves"},  // along the board's axis
       {at("0,2cm,0.15", {"--solver", "greedy"}), "--null goes with --solver gs-pat"},
       {at("0,2cm,0.15", {"--pressure", "500Pa"}), "--null: --pressure sets how loud foci are"},
@@ -151,6 +152,12 @@ TEST(CliNulls, PalpasOwnPatternsHaveNames) {
     EXPECT_GT(drive["pressures_pa"][0].get<double>(), 1000) << name;
     EXPECT_EQ(drive.contains("nulls"), name == "carter");
   }
+  // A user who gave no --null does not read of it.
+  const std::pair<std::vector<std::string>, std::string> wrong[]{
+      {{"--layout", "openmpd", "--pattern", "carter"}, "--pattern carter: null '"},
+      {{"--layout", "paper", "--pattern", "carter", "--solver", "naive"}, "--pattern carter goes with --solver gs-pat"}};
+  for (const auto& [line, part] : wrong)
+    expect_failure(palpa_here(with({"drive"}, line)), 2, part);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/tiny_files.hpp"
 #include "cli/support/told.hpp"
 #include "support/exhaustive.hpp"
 #include "support/own_cache.hpp"
@@ -144,17 +145,35 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   EXPECT_NEAR(measured["level_db"].get<double>(), 98 + 20 * std::log10(2.0), 1e-9);
   EXPECT_EQ(measured["left_db"], predicted["left_db"]);
   EXPECT_CONTAINS(palpa_here(line).out, "measured: 98.0 dB at the ceiling 0.025, so 104.0 dB at 0.05; this counts");
+  EXPECT_EQ(palpa_here(line).err, "");
   write_plan("palpa:semi-sphere.glb", at_120_db + "measured_db = 40\nmeasured_ceiling = 0.05\n");
-  EXPECT_CONTAINS(palpa_here(line).err, "does not hear 40 kHz");
+  const Result deaf = palpa_here(line);
+  EXPECT_EQ(deaf.exit_code, 2);
+  EXPECT_CONTAINS(deaf.err, "does not hear 40 kHz");
+  EXPECT_CONTAINS(deaf.err, "it is not of this sound");
   write_plan("palpa:semi-sphere.glb", limit + "100\nmeasured_db = 98\nmeasured_ceiling = 0.025\n");
   EXPECT_CONTAINS(palpa_here(line).err, "104.0 dB are measured at an ear");
-  // A model that asks for a pressure may get full amplitudes, so several foci count. Only its text is searched here.
-  for (const char* model : {"{\"palpa_pressure_pa\": 2000}", "{\"\\u0070alpa_pressure_pa\": 2000}"}) {
-    write_text(folder_ / "asks.gltf", model);
-    write_plan("asks.gltf", at_120_db);
-    EXPECT_GT(result_of(line)["level_db"].get<double>(), predicted["level_db"].get<double>() + 2);
+  // Small models in the cube: the prediction is the cube's. One that asks for a pressure may get full amplitudes, so
+  // several foci count. One elsewhere is felt there.
+  write_tetrahedron(folder_ / "corners.bin");
+  write_scene(folder_ / "plain.gltf", "corners.bin");
+  const auto with_node = [&](const std::string& keys, const std::string& at) {
+    std::string text = read_text(folder_ / "plain.gltf");
+    const std::string node = "{\"mesh\":0}";
+    text.replace(text.find(node), node.size(),
+                 "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"translation\":" + at + keys + "}");
+    write_text(folder_ / "model.gltf", text);
+    write_plan("model.gltf", at_120_db);
+    return result_of(line)["level_db"].get<double>();
+  };
+  const std::string in_cube = "[0,-0.02,0]";
+  EXPECT_NEAR(with_node("", in_cube), predicted["level_db"].get<double>(), 1e-9);
+  for (const char* asks : {"palpa_pressure_pa", "\\u0070alpa_pressure_pa"}) {
+    EXPECT_GT(with_node(std::string(",\"extras\":{\"") + asks + "\":2000}", in_cube),
+              predicted["level_db"].get<double>() + 2);
     EXPECT_CONTAINS(palpa_here(line).out, "with equal amplitudes");
   }
+  EXPECT_GT(with_node("", "[0,0.04,0.06]"), predicted["level_db"].get<double>() + 1);
 }
 
 /// What a plan names is read before people come.

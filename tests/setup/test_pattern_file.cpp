@@ -125,8 +125,10 @@ TEST(PatternFile, RefusesWhatIsNoPattern) {
   for (int i = 0; i < 10'000; ++i)
     many += "[[point]]\nposition_m = [" + std::to_string(i * 1e-3) + ", 0, 0.15]\n";
   refused(many, "at most 64 points that sound and 64 that are silent");
-  const std::string weak = "[[point]]\nposition_m = [0.02, 0, 0.15]\namplitude = 1e-300\n";
-  refused(point + "amplitude = 1e6\n" + weak, "is nothing beside");
+  const std::string weak = "[[point]]\nposition_m = [0.02, 0, 0.15]\namplitude = ";
+  refused(point + "amplitude = 1e6\n" + weak + "1e-300\n", "is nothing beside");
+  refused(point + "amplitude = 1\n" + weak + "0.99e-4\n", "is nothing beside");
+  EXPECT_EQ(parse_pattern(point + "amplitude = 1\n" + weak + "1e-4\n", "file").points.size(), 2u);
 }
 
 }  // namespace

@@ -52,12 +52,16 @@ study::StudyPlan plan_to_run(const setup::StudyRunOptions& options, const LiveSe
   return plan;
 }
 
-study::EarLevel level_of(const study::StudyPlan& plan, const setup::StudyRunOptions& options) {
+study::EarLevel level_of(const study::StudyPlan& plan, const StudyShapes& shapes,
+                         const setup::StudyRunOptions& options) {
+  std::vector<Box> objects;
+  for (const StudyShape& shape : shapes.shapes)
+    objects.push_back(shape.box);
   std::optional<array::Layout> placed;
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
-  study::EarLevel level = study::predict_ear_level(plan, placed ? &*placed : nullptr);
-  if (!options.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
+  study::EarLevel level = study::predict_ear_level(plan, objects, placed ? &*placed : nullptr);
+  if (!options.override_by.empty() && study::needs_approval(plan, level).empty())
     throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
   if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
   study::refuse_loud(plan, level, options.override_by);
@@ -191,7 +195,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
                "palpa experimenter");
   Window window = participant_window(options, scene.setting().screen);
   if (Window::monitors().size() < 2) place_beside(panel, window, !options.size.empty());
-  const study::EarLevel level = level_of(plan, options);
+  const study::EarLevel level = level_of(plan, shapes, options);
   std::optional<log::Relay> relay(std::in_place);  // nothing waits for the reader of the log
   silence_at_exits();
   const setup::Interrupt interrupt(

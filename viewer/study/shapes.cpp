@@ -20,7 +20,9 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
     StudyShape& own = all.shapes.emplace_back();
     own.model_sha256 = sha256_of_file(plan.shapes[shape].model).sha256;
     std::uint32_t groups = 0;
-    for (geometry::SceneMesh& mesh : geometry::load_gltf(plan.shapes[shape].model).meshes) {
+    geometry::Scene scene = geometry::load_gltf(plan.shapes[shape].model);
+    own.box = geometry::box_of(scene);
+    for (geometry::SceneMesh& mesh : scene.meshes) {
       mesh.name = solid_name(plan, shape);
       mesh.copy.reset();
       if (mesh.part) {
@@ -28,8 +30,6 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
         mesh.part->solid = mesh.name;
         mesh.part->group += group;
       }
-      for (const Vec3& position : mesh.mesh.positions)
-        own.box.add(position);
       all.meshes.push_back(std::move(mesh));
     }
     group += groups;

@@ -24,6 +24,9 @@ struct Board {
   double width_m = 0;       ///< along the board's x
   double height_m = 0;      ///< along the board's y
   Transform T_layout_board{1.0};
+
+  /// Its transducers are on or off. A drive's loudest amplitude says which share of them is on.
+  bool has_amplitudes() const { return type != "sonicsurface"; }
 };
 
 /// The maximum number of transducers in a layout: sixteen times the paper's, and fewer than the iterations after which

@@ -71,8 +71,8 @@ std::string level_json(const study::StudyPlan& plan, const study::EarLevel& leve
 void run_level(const LevelCommand& o) {
   const Outputs outputs({{"--json", o.common.json}});
   const study::StudyPlan plan = setup::load_plan(o.plan);
-  const study::EarLevel level = study::predict_ear_level(plan);
-  if (!o.override_by.empty() && level.loudest_db() <= plan.level.limit_db)
+  const study::EarLevel level = study::predict_ear_level(plan, setup::try_files(plan));
+  if (!o.override_by.empty() && study::needs_approval(plan, level).empty())
     throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
   if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
   if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level));

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -44,9 +46,9 @@ struct Strength {
   double crest_n = 0;  ///< of a single focus on a finger
 };
 
-Strength strength_of(const study::StudyPlan& plan) {
+Strength strength_of(const study::StudyPlan& plan, std::span<const Box> objects) {
   experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
-  return {study::predict_ear_level(plan), experiment::crest_force_n(plan, finger)};
+  return {study::predict_ear_level(plan, objects), experiment::crest_force_n(plan, finger)};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
@@ -106,9 +108,9 @@ void run_plan(const PlanCommand& o) {
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the plan: set seed in its [run]");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   const study::StudyPlan plan = setup::load_plan(o.plan);
-  setup::try_files(plan);
+  const std::vector<Box> objects = setup::try_files(plan);
   const std::vector<study::Step> steps = study::order_of(plan, o.participant);
-  const Strength strength = strength_of(plan);
+  const Strength strength = strength_of(plan, objects);
   if (!o.common.json.empty()) write_file(o.common.json, plan_json(plan, o.participant, steps, strength));
   if (!o.csv.empty()) write_file(o.csv, study::order_csv(plan, steps));
   if (setup::shows_summary(o.common, outputs)) write_file("-", plan_text(plan, o.participant, steps, strength));

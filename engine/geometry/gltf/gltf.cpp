@@ -408,4 +408,13 @@ Scene load_gltf(const std::filesystem::path& path, std::optional<int> scene_inde
   return SceneReader(file.name(), document, values).read();
 }
 
+Box box_of(const Scene& scene) {
+  Box box;
+  for (const SceneMesh& mesh : scene.meshes) {
+    for (const Vec3& position : mesh.mesh.positions)
+      box.add(position);
+  }
+  return box;
+}
+
 }  // namespace palpa::geometry

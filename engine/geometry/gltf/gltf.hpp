@@ -56,4 +56,7 @@ struct Scene {
 /// Never blocks on devices or pipes.
 Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);
 
+/// Around all meshes, metres; empty without any.
+Box box_of(const Scene& scene);
+
 }  // namespace palpa::geometry

@@ -133,7 +133,8 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
 }
 
 /// A pattern's points become foci. Its silent places, and the solver that it needs, go into `drive`.
-std::vector<AskedFocus> foci_of_pattern(const Pattern& pattern, DriveOptionsGroup& drive) {
+std::vector<AskedFocus> foci_of_pattern(const std::string& name, DriveOptionsGroup& drive) {
+  const Pattern pattern = load_pattern(name);
   std::vector<AskedFocus> foci;
   for (const auto& [position, amplitude] : pattern.points)
     foci.push_back({position, amplitude});
@@ -141,6 +142,7 @@ std::vector<AskedFocus> foci_of_pattern(const Pattern& pattern, DriveOptionsGrou
     const Vec3& at = null.position;
     drive.nulls.push_back(fmt::format("{},{},{},{}", at.x, at.y, at.z, null.radius_m));
   }
+  drive.nulls_from = "--pattern " + name;
   if (!drive.solver) drive.solver = SolverChoice::gs_pat;
   return foci;
 }
@@ -342,7 +344,7 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   if (!task.touch.empty()) played = task.touch_json ? read_touch(task.touch, *task.touch_json) : load_touch(task.touch);
   DriveOptionsGroup drive = task.drive;
   std::vector<AskedFocus> pattern;
-  if (!task.pattern.empty()) pattern = foci_of_pattern(load_pattern(task.pattern), drive);
+  if (!task.pattern.empty()) pattern = foci_of_pattern(task.pattern, drive);
   array::DriveOptions options =
       drive_options(drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
                     task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -33,32 +34,50 @@ double spread_out(std::uint32_t number, std::uint32_t base) {
   return value;
 }
 
-/// Sets in the space in which the objects are felt: 4 cm wide, from their top down to the depth at which sound stops.
-/// More foci at once than ten are no louder.
-std::vector<FocusSet> focus_sets(const StudyPlan& plan) {
-  constexpr double half_width_m = 0.02;
-  std::vector<FocusSet> sets;
-  for (const double y : {0.0, -plan.run.deep_m}) {
-    for (const double x : {-half_width_m, 0.0, half_width_m}) {
-      for (const double z : {-half_width_m, 0.0, half_width_m})
+/// The parts of the objects that are felt: from their top down to the depth at which sound stops. What is within
+/// another one is left out.
+std::vector<Box> felt_spaces(std::span<const Box> objects, double deep_m) {
+  const auto holds = [](const Box& box, const Box& other) {
+    constexpr double rounding_m = 1e-6;
+    const Vec3 low = other.low - box.low, high = box.high - other.high;
+    return std::min({low.x, low.y, low.z, high.x, high.y, high.z}) > -rounding_m;
+  };
+  std::vector<Box> spaces;
+  for (Box space : objects) {
+    space.low.y = std::max(space.low.y, space.high.y - deep_m);
+    if (std::ranges::any_of(spaces, [&](const Box& other) { return holds(other, space); })) continue;
+    std::erase_if(spaces, [&](const Box& other) { return holds(space, other); });
+    spaces.push_back(space);
+  }
+  return spaces;
+}
+
+/// Sets all over a space, more of them in one that is wider than the paper's objects. More foci at once than ten are no
+/// louder.
+void add_sets(const Box& space, std::vector<FocusSet>& sets) {
+  for (const double y : {space.high.y, space.low.y}) {
+    for (const double x : {space.low.x, space.centre().x, space.high.x}) {
+      for (const double z : {space.low.z, space.centre().z, space.high.z})
         sets.push_back({Vec3(x, y, z)});
     }
   }
+  constexpr double papers_m2 = 0.04 * 0.04, most_times = 8;
+  const Vec3 size = space.high - space.low;
+  const auto times = static_cast<std::size_t>(std::clamp(size.x * size.z / papers_m2, 1.0, most_times));
   std::uint32_t number = 0;
   const auto add = [&](std::size_t count, std::size_t foci) {
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < times * count; ++i) {
       FocusSet& set = sets.emplace_back();
       while (set.size() < foci) {
         ++number;
-        set.emplace_back(half_width_m * (2 * spread_out(number, 2) - 1), -plan.run.deep_m * spread_out(number, 3),
-                         half_width_m * (2 * spread_out(number, 5) - 1));
+        const Vec3 part(spread_out(number, 2), 1 - spread_out(number, 3), spread_out(number, 5));
+        set.push_back(space.low + part * size);
       }
     }
   };
   add(110, 1);
   for (const std::size_t foci : {2u, 4u, 10u})
     add(32, foci);
-  return sets;
 }
 
 /// Places all over the ball, evenly by volume: the directions of a Fibonacci lattice, in radii that grow as cube roots.
@@ -138,13 +157,16 @@ double equivalent_db(double level_db, double sounding_s) {
   return level_db + 10 * std::log10(std::max(sounding_s, 1e-9) / day_s);
 }
 
-EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed) {
+EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed) {
+  assert(objects.size() == plan.shapes.size());
   EarLevel level{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan)};
   std::vector<Vec3> places = ball_around(plan.level.ears[0]);
   const std::size_t per_ear = places.size();
   const std::vector<Vec3> right = ball_around(plan.level.ears[1]);
   places.insert(places.end(), right.begin(), right.end());
-  const std::vector<FocusSet> sets = focus_sets(plan);
+  std::vector<FocusSet> sets;
+  for (const Box& space : felt_spaces(objects, plan.run.deep_m))
+    add_sets(space, sets);
   const bool asks = std::ranges::any_of(plan.shapes, &PlanShape::asks_pressure);
 
   std::set<std::string> layouts;
@@ -153,8 +175,7 @@ EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed) {
   for (const std::string& name : layouts) {
     const array::Layout layout = placed != nullptr ? *placed : in_default_pose(array::load_layout(name));
     const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
-    const bool on_off =
-        std::ranges::any_of(layout.boards, [](const array::Board& board) { return board.type == "sonicsurface"; });
+    const bool on_off = !std::ranges::all_of(layout.boards, &array::Board::has_amplitudes);
     const bool equal = asks || on_off;
     const double factor = on_off ? std::sqrt(plan.level.ceiling) : plan.level.ceiling;
     const array::DriveOptions options{.constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
@@ -185,7 +206,7 @@ EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed) {
 }
 
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level) {
-  if (!level.measured || *level.measured > level.predicted_db() - unlikely_reading_db) return {};
+  if (!level.measured || *level.measured > level.predicted_db() - reflections_db) return {};
   return fmt::format(
       "{}: measured_db means {:.1f} dB at the plan's ceiling, but {:.1f} dB are predicted; a sound-level meter with an "
       "A or C filter does not hear 40 kHz",
@@ -203,15 +224,25 @@ const std::vector<EarLimit>& ear_limits() {
   return limits;
 }
 
+std::string needs_approval(const StudyPlan& plan, const EarLevel& level) {
+  if (const double above_db = level.loudest_db() - plan.level.limit_db; above_db > 0) {
+    const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
+    return fmt::format(
+        "{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its [level] from "
+        "{} to {:g}, or move the participant away",
+        plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
+        std::floor(fits * 1000) / 1000);
+  }
+  if (const double below_db = level.predicted_db() - level.loudest_db(); below_db > impossible_reading_db) {
+    return fmt::format(
+        "{}: measured_db is {:.0f} dB below the prediction, so it is not of this sound: measure again, or leave it out",
+        plan.file, below_db);
+  }
+  return {};
+}
+
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {
-  const double above_db = level.loudest_db() - plan.level.limit_db;
-  if (above_db <= 0 || !signature.empty()) return;
-  const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
-  throw bad_usage(
-      fmt::format("{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its "
-                  "[level] from {} to {:g}, or move the participant away",
-                  plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
-                  std::floor(fits * 1000) / 1000));
+  if (const std::string why = needs_approval(plan, level); !why.empty() && signature.empty()) throw bad_usage(why);
 }
 
 }  // namespace palpa::study

@@ -1,12 +1,13 @@
 // How loud the array will be at a participant's ears, before anybody sits in front of it: as predicted, or as measured.
 //
 // The prediction is the loudest ultrasound within 10 cm of an ear that any of many drives causes: of one focus and of
-// several at once, all over the space in which the objects are felt, in free air. Silent places (nulls) do not count.
-// Reflections from hands and tables may add or take away 10 dB.
+// several at once, all over the space in which the objects of the plan are felt, in free air. Silent places (nulls) do
+// not count. Reflections from hands and tables may add or take away 10 dB.
 #pragma once
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,9 +46,12 @@ inline constexpr double ear_ball_m = 0.1;
 /// What other drives than those that are tried may add, with equal amplitudes and otherwise: of 1000 random ones on
 /// `openmpd` and in `paper`, none was louder by more. It is in the prediction.
 inline constexpr double untried_equal_db = 1.5, untried_db = 0.2;
-/// A reading so far below the prediction is probably not of this sound.
-inline constexpr double unlikely_reading_db = 20;
+/// A reading that is farther below the prediction than reflections explain is doubted. One so far below is not of this
+/// sound.
+inline constexpr double impossible_reading_db = 20;
 
+/// `objects` are the boxes around the models of the plan's shapes, in their order; metres, world.
+///
 /// Computes on the processor: a second for the paper's array. Without `placed`, an array as posed in the world that all
 /// methods use, arrays have the pose that they have without a rig. Throws as array::load_layout does.
 ///
@@ -55,9 +59,10 @@ inline constexpr double unlikely_reading_db = 20;
 /// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
 /// boards without amplitudes. Then all transducers are at the ceiling. Boards without amplitudes turn that share of
 /// their transducers on, whose sound beside the focus falls with the square root of the share.
-EarLevel predict_ear_level(const StudyPlan& plan, const array::Layout* placed = nullptr);
+EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects,
+                           const array::Layout* placed = nullptr);
 
-/// A line about a reading that is far below the prediction; empty otherwise.
+/// A line about a reading that is below the prediction by more than reflections_db; empty otherwise.
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level);
 
 /// Published limits for airborne ultrasound at 40 kHz, for comparison (docs/study.md).
@@ -68,8 +73,12 @@ struct EarLimit {
 };
 const std::vector<EarLimit>& ear_limits();
 
-/// Throws bad_usage if the level is above the plan's limit, unless somebody has signed that it may be: `signature` is a
-/// text such as the number of an ethics decision.
+/// Why nobody may be exposed to it without somebody's approval: it is above the plan's limit, or the reading that says
+/// that it is not is impossible. Empty if neither.
+std::string needs_approval(const StudyPlan& plan, const EarLevel& level);
+
+/// Throws bad_usage if it needs an approval, unless somebody has signed it: `signature` is a text such as the number of
+/// an ethics decision.
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature);
 
 }  // namespace palpa::study

@@ -1,0 +1,38 @@
+// What a user is told about nulls.
+#include "setup/nulls.hpp"
+
+#include <gtest/gtest.h>
+
+#include "array/layouts/layout.hpp"
+#include "support/thrown.hpp"
+
+namespace palpa::test {
+namespace {
+
+using array::Constraint;
+using setup::doubt_of_boards;
+
+TEST(NullsOfBoards, AreDoubtedWhereAmplitudesAreCoarse) {
+  const array::Layout on_off = array::load_layout("sonicsurface"), mpd = array::load_layout("openmpd-pair");
+  const std::string tty = "sonicsurface:/dev/ttyUSB0";
+  EXPECT_CONTAINS(doubt_of_boards(tty, on_off, Constraint::normalise, 1), "have no amplitudes");
+  EXPECT_CONTAINS(doubt_of_boards(tty, on_off, Constraint::clamp, 1), "have no amplitudes");
+  EXPECT_CONTAINS(doubt_of_boards(tty, on_off, Constraint::uniform, 0.5), "turns transducers off");
+  EXPECT_EQ(doubt_of_boards(tty, on_off, Constraint::uniform, 1), "");
+  EXPECT_CONTAINS(doubt_of_boards("openmpd:A:B", mpd, Constraint::normalise, 0.1), "at the ceiling 0.1");
+  EXPECT_CONTAINS(doubt_of_boards("openmpd", mpd, Constraint::clamp, 0.04), "few amplitudes");
+  EXPECT_EQ(doubt_of_boards("openmpd", mpd, Constraint::normalise, 0.3), "");
+  EXPECT_EQ(doubt_of_boards("openmpd", mpd, Constraint::uniform, 0.04), "");
+  // Not boards, or not those of the layout.
+  EXPECT_EQ(doubt_of_boards("null", on_off, Constraint::normalise, 1), "");
+  EXPECT_EQ(doubt_of_boards("record:drives", mpd, Constraint::normalise, 0.04), "");
+  EXPECT_EQ(doubt_of_boards("autd3", array::load_layout("autd3"), Constraint::normalise, 0.04), "");
+}
+
+TEST(NullsInWords, LevelsAreBelowOrAbove) {
+  EXPECT_EQ(setup::beside_weakest(-42.34, 1), "42.3 dB below the weakest focus");
+  EXPECT_EQ(setup::beside_weakest(11.2, 0), "11 dB above the weakest focus");
+}
+
+}  // namespace
+}  // namespace palpa::test
