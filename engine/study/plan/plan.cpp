@@ -32,7 +32,7 @@ const std::vector<DefaultText>& default_texts() {
       {"felt", TextId::felt, "Did you feel anything?", true},
       {"not_yet", TextId::not_yet, "Please wait for the question.", true},
       {"which_shape", TextId::which_shape, "Which shape was it?"},
-      {"paused", TextId::paused, "Paused. Nothing sounds. Please wait."},
+      {"paused", TextId::paused, "Paused. Please take your hand away and wait."},
       {"right", TextId::right_answer, "Right."},
       {"wrong", TextId::wrong_answer, "Wrong."},
       {"end", TextId::end, "That was all. Thank you."},
