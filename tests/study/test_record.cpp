@@ -326,7 +326,13 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
     EXPECT_ERROR(withdraw(folder_, 1), Exit::usage, "another palpa is writing this file");
   }
   fs::create_directory_symlink(elsewhere, file("link"));
-  withdraw(folder_, 1);
+  fs::create_directory_symlink(file("beh"), file("own"));
+  fs::create_symlink(elsewhere / "kept.txt", file("beh") / "log.tsv");
+  fs::create_symlink("nowhere", file("beh") / "dangling");
+  const Withdrawal withdrawal = withdraw(folder_, 1);
+  std::vector<fs::path> remaining = withdrawal.remaining;
+  std::ranges::sort(remaining);
+  EXPECT_EQ(remaining, (std::vector<fs::path>{fs::canonical(elsewhere), fs::canonical(elsewhere / "kept.txt")}));
   EXPECT_EQ(read_text(elsewhere / "kept.txt"), "kept");
   EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
 }
