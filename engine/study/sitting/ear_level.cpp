@@ -205,13 +205,18 @@ const std::vector<EarLimit>& ear_limits() {
 
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {
   const double above_db = level.loudest_db() - plan.level.limit_db;
+  if (!signature.empty() && signature.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw bad_usage("--override is blank: say who accepted the level, such as the number of an ethics decision");
   if (above_db <= 0 || !signature.empty()) return;
   const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
+  // Three decimals, and two digits of what is smaller.
+  const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(fits)) - 1));
   throw bad_usage(
       fmt::format("{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its "
-                  "[level] from {} to {:g}, or move the participant away",
+                  "[level] from {} to {:g}, or move the participant away{}",
                   plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
-                  std::floor(fits * 1000) / 1000));
+                  std::floor(fits / step) * step,
+                  fits < 1e-3 ? "; see whether left_ear_mm and right_ear_mm are in millimetres" : ""));
 }
 
 }  // namespace palpa::study
