@@ -337,6 +337,22 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
   EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
 }
 
+TEST_F(RecordTest, AJournalThatIsGoneIsNotWrittenOn) {
+  Record record(plan_, 1, folder_, true);
+  const Entry start{.text = utc_now(), .version = "v", .rehearsal = true};
+  record.add(start);
+  const fs::path journal = file("sub-01_journal.jsonl"), elsewhere = folder_ / "elsewhere";
+  const std::string before = read_text(journal);
+  fs::rename(journal, elsewhere);
+  EXPECT_ERROR(record.add({.kind = EntryKind::stop}), Exit::failed, "was removed or replaced while it was written");
+  test::write_text(journal, before);
+  EXPECT_ERROR(record.add({.kind = EntryKind::stop}), Exit::failed, "was removed or replaced");
+  EXPECT_EQ(read_text(elsewhere), before);
+  fs::rename(elsewhere, journal);
+  record.add({.kind = EntryKind::stop});
+  EXPECT_GT(read_text(journal).size(), before.size());
+}
+
 TEST_F(RecordTest, AppendsAndCuts) {
   const OpenFile file = open_to_append(folder_ / "appended");
   file.write("one\n", true);
