@@ -81,7 +81,8 @@ struct BoardPlan : TimedSlots {
 struct BoardCounts {
   session::Passed submitted;   ///< the transfer to the device was begun
   session::Passed completed;   ///< the device has taken all of it
-  std::uint64_t starting = 0;  ///< see session::Carried
+  std::uint64_t starting = 0;  ///< see session::Carried, also for the next one
+  bool out_of_reach = false;
 };
 
 class Board {

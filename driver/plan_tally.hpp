@@ -47,7 +47,9 @@ class PlanTally {
   void drive_sent() { ++counts_.submitted.drives; }
   void drive_there() { ++counts_.completed.drives; }
 
-  const BoardCounts& counts() const { return counts_; }
+  BoardCounts counts(bool out_of_reach) const {
+    return {counts_.submitted, counts_.completed, counts_.starting, out_of_reach};
+  }
 
  private:
   enum class Plan { none, sent, there };

@@ -114,7 +114,7 @@ class Autd3Board final : public Board {
   }
 
   void tend() override { advance(); }
-  BoardCounts counts() const override { return tally_.counts(); }
+  BoardCounts counts() const override { return tally_.counts(lost_); }
 
   std::span<const pollfd> watched() override {
     if (remote_.closed()) return {};

@@ -55,9 +55,14 @@ struct SharedMemory::Head {
 };
 
 void Tally::tell(const session::Passed& taken, const BoardCounts& counts) {
-  const std::array now{
-      taken.drives,           taken.plans,    counts.submitted.drives, counts.submitted.plans, counts.completed.drives,
-      counts.completed.plans, counts.starting};
+  const std::array now{taken.drives,
+                       taken.plans,
+                       counts.submitted.drives,
+                       counts.submitted.plans,
+                       counts.completed.drives,
+                       counts.completed.plans,
+                       counts.starting,
+                       std::uint64_t{counts.out_of_reach}};
   // Not all at one instant: a reader may miss the newest values meanwhile, and asks again.
   for (std::size_t i = 0; i < now.size(); ++i)
     values_[i].store(now[i], std::memory_order_relaxed);
@@ -68,7 +73,8 @@ session::Carried Tally::read() const {
   return {.guard = session::Passed{value(0), value(1)},
           .submitted = {value(2), value(3)},
           .completed = {value(4), value(5)},
-          .starting = value(6)};
+          .starting = value(6),
+          .out_of_reach = value(7) != 0};
 }
 
 SharedMemory::SharedMemory(Descriptor fd, std::size_t size) : fd_(std::move(fd)), size_(size) {

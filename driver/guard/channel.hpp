@@ -71,7 +71,8 @@ struct PlanHead {
   std::uint32_t foci;  ///< how many there are, see BoardPlan
 };
 
-/// The guard's counts of drives and plans that sound. The loop may read them at any time.
+/// The guard's counts of drives and plans that sound, and whether its board is out of reach. The loop may read them at
+/// any time.
 class Tally {
  public:
   /// For the guard: `taken` is what it has taken from the loop, and `counts` are its board's.
@@ -81,8 +82,9 @@ class Tally {
 
  private:
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
-  /// In the order of the hand-overs: drives, then plans of each; then the drives that came too soon.
-  std::array<std::atomic<std::uint64_t>, 7> values_;
+  /// In the order of the hand-overs: drives, then plans of each; then the drives that came too soon, and whether the
+  /// board is out of reach.
+  std::array<std::atomic<std::uint64_t>, 8> values_;
 };
 
 /// The shared memory: the guard's Brief, drives, and plans if the board plays any.

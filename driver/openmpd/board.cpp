@@ -265,7 +265,8 @@ BoardCounts OpenMpdBoard::counts() const {
     return fewest + faint_;
   };
   return {.submitted = {.drives = least(&Connection::submitted)},
-          .completed = {.drives = least(&Connection::completed)}};
+          .completed = {.drives = least(&Connection::completed)},
+          .out_of_reach = troubled_};
 }
 
 void OpenMpdBoard::tend_wires(bool may_ask) {

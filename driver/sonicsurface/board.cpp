@@ -150,7 +150,7 @@ class SonicSurface final : public Board {
     return true;
   }
 
-  BoardCounts counts() const override { return tally_.counts(); }
+  BoardCounts counts() const override { return tally_.counts(lost_); }
 
  private:
   /// How many drives may pass until a first pattern is there: the time to silence both buffers and send a frame, and

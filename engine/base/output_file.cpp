@@ -114,6 +114,13 @@ bool OpenFile::on_disk() const {
   return ::fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
 }
 
+bool OpenFile::is_at(const fs::path& file) const {
+  struct stat own {
+  }, there{};
+  return ::fstat(descriptor_, &own) == 0 && ::stat(file.c_str(), &there) == 0 && own.st_dev == there.st_dev &&
+         own.st_ino == there.st_ino;
+}
+
 void OpenFile::write(std::string_view bytes, bool kept) const {
   std::size_t written = 0;
   int fault = write_all(descriptor_, bytes, written);

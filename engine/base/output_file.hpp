@@ -30,6 +30,8 @@ class OpenFile {
   const std::string& name() const { return name_; }
   int descriptor() const { return descriptor_; }
   bool on_disk() const;  ///< whether it is a regular file
+  /// Whether it is still the file of that name: it was neither removed nor replaced since.
+  bool is_at(const std::filesystem::path& file) const;
   /// Blocks until all bytes are written, and if they are to be `kept`, until they are on the disk, also after a power
   /// cut. Otherwise (a full disk, a limit, a closed pipe), a file on a disk is left without them; throws failure().
   void write(std::string_view bytes, bool kept = false) const;

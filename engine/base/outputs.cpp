@@ -118,6 +118,18 @@ bool covers(const Claim& claim, const OutputPlace& place) {
   return is_at(claim.place, place) || is_inside(place, claim);
 }
 
+/// The link in a declared folder through which that file is elsewhere; empty if there is none.
+fs::path link_out(const fs::path& file) {
+  for (fs::path at = file; at.has_relative_path(); at = at.parent_path()) {
+    std::error_code fault;
+    if (!fs::is_symlink(at, fault)) continue;
+    const OutputPlace folder = output_place(at.has_parent_path() ? at.parent_path() : ".");
+    const auto has_it = [&](const Claim& claim) { return claim.is_folder() && covers(claim, folder); };
+    if (std::ranges::any_of(the_files.claims, has_it)) return at;
+  }
+  return {};
+}
+
 bool was_read(const OutputPlace& place) {
   return place.type == fs::file_type::regular && the_files.inputs.contains(place.identity);
 }
@@ -257,8 +269,15 @@ OutputPlace writable_place(const fs::path& file) {
   if (the_files.keepers == 0) return place;
   if (was_read(place)) throw bad_usage(place.name + " is read by this command, name another file");
   const auto is_declared = [&](const Claim& claim) { return covers(claim, place); };
-  if (!place.is_stdout && std::ranges::none_of(the_files.claims, is_declared))
+  if (!place.is_stdout && std::ranges::none_of(the_files.claims, is_declared)) {
+    if (const fs::path link = link_out(file); !link.empty()) {
+      throw failure(
+          fmt::format("{}: is not written, because {} is a link that leads out of the folder of the results: "
+                      "put what it leads to in its place",
+                      place.name, link.string()));
+    }
     throw failure(place.name + ": is not written, since palpa did not declare it as an output: please report this");
+  }
   the_files.written.insert(place.entry);
   return place;
 }

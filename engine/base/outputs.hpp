@@ -38,8 +38,9 @@ struct OutputPlace {
 };
 
 /// The place of a file that may be written or removed now. Throws bad_usage if it was read; failure() if it is not
-/// declared, or clearly cannot be created or replaced there: no such folder, a folder, no permission, a read-only file
-/// system. Tries nothing. (A full disk only shows during writing.)
+/// declared (it names the link if one leads there from a declared folder), or clearly cannot be created or replaced
+/// there: no such folder, a folder, no permission, a read-only file system. Tries nothing. (A full disk only shows
+/// during writing.)
 OutputPlace writable_place(const std::filesystem::path& file);
 
 /// failure(): `name: cannot be written:` and the meaning of the system's error code, such as a full disk.

@@ -29,7 +29,7 @@ std::size_t columns_of_terminal() {
 enum class Words { all, most, few, fewest };
 
 std::string link_text(const RunState& state, Words words) {
-  const char* sound = state.sounds ? "SOUNDING" : "silent";
+  const char* sound = state.stuck ? "MAY SOUND" : state.sounds ? "SOUNDING" : "silent";
   if (words == Words::fewest) return sound;
   const char* note = state.stuck                                   ? ", which takes no drives"
                      : words == Words::all && state.link == "null" ? " (no array)"

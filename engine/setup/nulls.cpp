@@ -102,9 +102,10 @@ void refuse_foci_within(std::span<const array::SlotFocus> foci, std::span<const 
     for (std::size_t j = 0; j < foci.size(); ++j) {
       const double apart_m = glm::distance(nulls[i].position, foci[j].position);
       if (nulls[i].radius_m < apart_m) continue;
-      throw bad_usage(fmt::format("focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
-                                  "or a null farther away",
-                                  j + 1, i + 1, apart_m * 1e3));
+      throw bad_usage(
+          fmt::format("focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
+                      "or a null farther away",
+                      j + 1, i + 1, apart_m * 1e3));
     }
   }
 }
@@ -221,8 +222,8 @@ NullReport report_nulls(const array::Layout& layout, std::span<const array::Tran
   std::size_t focus = 0;
   report.kept = kept_of(layout, pressure, foci, options, focus);
   if (report.kept < least_kept) {
-    log::warning(fmt::format("focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1,
-                             report.kept));
+    log::warning(
+        fmt::format("focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1, report.kept));
   }
   const SilentPlace& loudest = *std::ranges::max_element(report.places, {}, &SilentPlace::depth_db);
   if (loudest.depth_db > wanted_db) {

@@ -10,6 +10,7 @@
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/log.hpp"
 #include "base/sha256.hpp"
 #include "base/text.hpp"
 #include "geometry/gltf/gltf.hpp"
@@ -83,6 +84,8 @@ study::StudyPlan load_plan(const std::string& file) {
     }
   }
   study::refuse_missing_files(plan);
+  for (const std::string& doubt : study::doubts_of(plan))
+    log::warning(fmt::format("{}: {}", printable(plan.file), doubt));
   for (study::PlanShape& shape : plan.shapes)
     shape.model_sha256 = sha256_of_file(shape.model).sha256;
   for (study::PlanShape& shape : plan.shapes)

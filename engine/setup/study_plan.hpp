@@ -10,8 +10,8 @@
 namespace palpa::setup {
 
 /// Reads a plan, and finds the models of palpa's own that it names ("palpa:cube.glb"), the SHA-256 of all models,
-/// and whether they may ask for a pressure. Throws bad_usage without a file, otherwise as study::read_plan and
-/// study::refuse_missing_files do.
+/// and whether they may ask for a pressure. Warns of study::doubts_of(). Throws bad_usage without a file, otherwise as
+/// study::read_plan and study::refuse_missing_files do.
 study::StudyPlan load_plan(const std::string& file);
 
 /// Reads the models and the masking sound of a plan, as a sitting will. Returns the box around each shape's model

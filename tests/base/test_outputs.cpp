@@ -145,6 +145,24 @@ TEST_F(RegisterTest, AFolderThatIsContinuedIsReadAndWritten) {
   EXPECT_EQ(test::thrown_by([&] { read_file(path("study/result"), 100); }).code(), Exit::usage);
 }
 
+TEST_F(RegisterTest, ALinkThatLeadsOutOfAFolderIsNamed) {
+  fs::create_directory(path("study"));
+  fs::create_directory(path("study/own"));
+  fs::create_directory_symlink(path("deep"), path("study/beh"));
+  fs::create_symlink(path("free"), path("study/journal"));
+  fs::create_directory_symlink(path("study/own"), path("study/inside"));
+  const auto kept = keep_register();
+  const Outputs outputs({{"--out", path("study"), Output::Kind::continued_folder}});
+  for (const auto& [name, link] : {std::pair("study/beh/log", "study/beh"), {"study/journal", "study/journal"}}) {
+    EXPECT_ERROR(write_file(path(name), "x"), Exit::failed,
+                 path(name) + ": is not written, because " + path(link) + " is a link that leads out");
+  }
+  EXPECT_FALSE(fs::exists(path("deep/log")));
+  EXPECT_FALSE(fs::exists(path("free")));
+  write_file(path("study/inside/log"), "x");
+  EXPECT_EQ(test::read_text(path("study/own/log")), "x");
+}
+
 TEST_F(RegisterTest, FilesOfPalpasMayBeReadAndWrittenAgain) {
   const auto kept = keep_register();
   const Outputs outputs({{"save as", path("scene")}});

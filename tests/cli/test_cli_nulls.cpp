@@ -155,7 +155,8 @@ TEST(CliNulls, PalpasOwnPatternsHaveNames) {
   // A user who gave no --null does not read of it.
   const std::pair<std::vector<std::string>, std::string> wrong[]{
       {{"--layout", "openmpd", "--pattern", "carter"}, "--pattern carter: null '"},
-      {{"--layout", "paper", "--pattern", "carter", "--solver", "naive"}, "--pattern carter goes with --solver gs-pat"}};
+      {{"--layout", "paper", "--pattern", "carter", "--solver", "naive"},
+       "--pattern carter goes with --solver gs-pat"}};
   for (const auto& [line, part] : wrong)
     expect_failure(palpa_here(with({"drive"}, line)), 2, part);
 }

@@ -28,7 +28,7 @@ TEST(SoundWatch, SoundsUntilNothingHasSoundedForAWhile) {
 }
 
 /// What sounds is what arrived, not what left.
-TEST(SoundWatch, ABoardThatTakesNothingIsSilent) {
+TEST(SoundWatch, ABoardThatTakesNothingMaySound) {
   SoundWatch watch;
   Carried carried;
   const auto plays = [&](std::chrono::milliseconds from, std::chrono::milliseconds to, bool takes) {
@@ -52,6 +52,16 @@ TEST(SoundWatch, ABoardThatTakesNothingIsSilent) {
   plays(460ms, 470ms, true);
   EXPECT_TRUE(watch.sounding(begin + 470ms)) << "it is plugged in again";
   EXPECT_FALSE(watch.stuck(begin + 470ms));
+  carried.out_of_reach = true;
+  watch.sent(false, carried, begin + 480ms);
+  EXPECT_TRUE(watch.stuck(begin + 10s)) << "it may still play what it has";
+  carried.out_of_reach = false;
+  watch.sent(false, carried, begin + 11s);
+  EXPECT_FALSE(watch.stuck(begin + 11s));
+  SoundWatch quiet;
+  carried.out_of_reach = true;
+  quiet.sent(false, carried, begin);
+  EXPECT_FALSE(quiet.stuck(begin)) << "nothing has sounded";
 }
 
 }  // namespace

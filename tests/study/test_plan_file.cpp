@@ -211,6 +211,19 @@ TEST(PlanFile, OneLineForEachFault) {
   }
 }
 
+TEST(PlanFile, DoubtsThatItMeasuresAnything) {
+  const auto doubts = [](const std::string& blocks) { return doubts_of(parse_plan(good + blocks, "p.toml")); };
+  EXPECT_TRUE(doubts("").empty());
+  EXPECT_TRUE(doubts("[[block]]\nkind = \"trial\"\nonce = true\n[[block]]\nkind = \"trial\"\n").empty());
+  const auto expect_one = [&](const std::string& blocks, const std::string& doubt) {
+    ASSERT_EQ(doubts(blocks).size(), 1u) << blocks;
+    EXPECT_CONTAINS(doubts(blocks)[0], doubt);
+  };
+  expect_one("[[block]]\nkind = \"practice\"\n", "no [[block]] of the kind 'trial'");
+  expect_one("[[block]]\nkind = \"trial\"\nonce = true\n", "first method only");
+  expect_one("[level]\nceiling = 0\n", "nothing sounds");
+}
+
 TEST(PlanFile, NeedsAFitOnlyForTheSimulation) {
   StudyPlan plan = parse_plan(changed("[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 50\n", ""), "p.toml");
   EXPECT_REFUSED(refuse_without_fit(plan), "[fit] is missing");

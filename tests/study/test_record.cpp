@@ -326,9 +326,31 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
     EXPECT_ERROR(withdraw(folder_, 1), Exit::usage, "another palpa is writing this file");
   }
   fs::create_directory_symlink(elsewhere, file("link"));
-  withdraw(folder_, 1);
+  fs::create_directory_symlink(file("beh"), file("own"));
+  fs::create_symlink(elsewhere / "kept.txt", file("beh") / "log.tsv");
+  fs::create_symlink("nowhere", file("beh") / "dangling");
+  const Withdrawal withdrawal = withdraw(folder_, 1);
+  std::vector<fs::path> remaining = withdrawal.remaining;
+  std::ranges::sort(remaining);
+  EXPECT_EQ(remaining, (std::vector<fs::path>{fs::canonical(elsewhere), fs::canonical(elsewhere / "kept.txt")}));
   EXPECT_EQ(read_text(elsewhere / "kept.txt"), "kept");
   EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
+}
+
+TEST_F(RecordTest, AJournalThatIsGoneIsNotWrittenOn) {
+  Record record(plan_, 1, folder_, true);
+  const Entry start{.text = utc_now(), .version = "v", .rehearsal = true};
+  record.add(start);
+  const fs::path journal = file("sub-01_journal.jsonl"), elsewhere = folder_ / "elsewhere";
+  const std::string before = read_text(journal);
+  fs::rename(journal, elsewhere);
+  EXPECT_ERROR(record.add({.kind = EntryKind::stop}), Exit::failed, "was removed or replaced while it was written");
+  test::write_text(journal, before);
+  EXPECT_ERROR(record.add({.kind = EntryKind::stop}), Exit::failed, "was removed or replaced");
+  EXPECT_EQ(read_text(elsewhere), before);
+  fs::rename(elsewhere, journal);
+  record.add({.kind = EntryKind::stop});
+  EXPECT_GT(read_text(journal).size(), before.size());
 }
 
 TEST_F(RecordTest, AppendsAndCuts) {

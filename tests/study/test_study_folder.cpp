@@ -204,6 +204,13 @@ TEST_F(StudyFolder, WithoutLogsIsRefused) {
   EXPECT_REFUSED(read_study(std::vector<std::string>{log.parent_path().string()}), "has no participants");
   write_events(log, "nothing\n");
   EXPECT_REFUSED(read(), "nothing can be analysed: ");
+  std::string sidecar = test::events_sidecar, practice = events_text("m", 20);
+  sidecar.insert(sidecar.size() - 1, ", \"Rehearsal\": true");
+  for (std::size_t at; (at = practice.find("\ttrial\t")) != std::string::npos;)
+    practice.replace(at, 7, "\tpractice\t");
+  write_events(log, practice, sidecar);
+  EXPECT_REFUSED(read(), "nothing can be analysed: " + (folder_ / "sub-1").string() +
+                             ": has no row of a block 'trial', so it has no answered trial");
   EXPECT_REFUSED(read_study(std::vector<std::string>{log.string()}), "is not a folder");
 }
 

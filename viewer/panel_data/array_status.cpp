@@ -24,7 +24,7 @@ ArrayStatus array_status(const Content& content) {
   if (!content.live || content.run.state != LiveState::running) return {ArrayState::off, "OFF", why_off(content)};
   const std::string& link = content.edit.options().link;
   const bool none = link == "null";
-  if (content.run.stuck) return {ArrayState::silent, "SILENT", link + " takes no drives"};
+  if (content.run.stuck) return {ArrayState::unknown, "MAY SOUND", link + " takes no drives"};
   if (!content.run.sounding) return {ArrayState::silent, "SILENT", none ? "no array" : link};
   return {ArrayState::sounding, "SOUNDING", none ? "no array" : "on " + link};
 }

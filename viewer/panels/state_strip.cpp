@@ -21,6 +21,7 @@ const ImVec4 white{1, 1, 1, 1};
 ImVec4 colour_of(ArrayState state) {
   switch (state) {
     case ArrayState::sounding:
+    case ArrayState::unknown:
       return {0.79f, 0.30f, 0.0f, 1};
     case ArrayState::silent:
       return {0.06f, 0.40f, 0.36f, 1};
@@ -30,7 +31,7 @@ ImVec4 colour_of(ArrayState state) {
   return {0.33f, 0.35f, 0.38f, 1};
 }
 
-/// A square if it is off, a ring if it is silent, a disc with waves if it sounds.
+/// A square if it is off, a ring if it is silent, a disc with waves if it sounds or may sound.
 void draw_sign(ImDrawList& list, ArrayState state, const ImVec2& centre, float radius) {
   const ImU32 ink = ImGui::ColorConvertFloat4ToU32(white);
   const float line = std::max(0.28f * radius, 1.0f);
@@ -152,9 +153,10 @@ void draw_state_strip(PanelData& data) {
   ImGui::SetCursorPos({0, 0});
   if (right > gap) {
     ImGui::InvisibleButton("state", {right - gap, height});
-    tip(now.state == ArrayState::sounding ? "The array gets drives that sound: " + now.more
-        : now.state == ArrayState::silent ? "A run drives the link, and nothing sounds: " + now.more
-                                          : "No drives leave: " + now.more);
+    tip(now.state == ArrayState::sounding  ? "The array gets drives that sound: " + now.more
+        : now.state == ArrayState::silent  ? "A run drives the link, and nothing sounds: " + now.more
+        : now.state == ArrayState::unknown ? "The array may play its last sound on. Switch it off: " + now.more
+                                           : "No drives leave: " + now.more);
   }
   ImGui::SetCursorPos({right, (height - ImGui::GetFrameHeight()) / 2});
   draw_ceiling(data, ceiling_width);

@@ -392,6 +392,7 @@ ExperimenterView Conductor::experimenter_view() const {
   view.title =
       fmt::format("{} · participant {}{}", plan_->title, *run_->participant, run_->rehearse ? " · rehearsal" : "");
   view.state = names[static_cast<std::size_t>(sitting_->screen())];
+  view.may_sound = presentation_->gate().may_sound();
   view.sounds = presentation_->gate().heard();
   const auto add = [&](const char* name, std::string value, bool warns = false) {
     view.lines.push_back({name, std::move(value), warns});
@@ -406,12 +407,13 @@ ExperimenterView Conductor::experimenter_view() const {
     if (step.shape || plan_->blocks[step.block].kind == study::BlockKind::free)
       add("shape", plan_->shapes[presented.shape].name);
   }
-  const bool failed = !presentation_->fault().empty();
+  const bool failed = !presentation_->fault().empty(), gone = presentation_->gate().out_of_reach();
   add("array",
       failed                   ? presentation_->fault()
+      : gone                   ? run_->link + " is out of reach: see whether it is plugged in and switched on"
       : presentation_->ready() ? fmt::format("{}, {:.0f} frames/s", run_->link, presentation_->rate_hz())
                                : "is being prepared",
-      failed);
+      failed || gone);
   study::TouchLosses overload = last_losses_;
   if (overload.drives <= GateCounts::overtaken) overload.drives = 0;  // they may be on their way
   const std::string lost = to_text(overload);

@@ -85,10 +85,25 @@ void Gate::note(const PlayedFrame& frame) {
   touch_.end = std::max(touch_.end, frame.from);
 }
 
-GateLink::GateLink(std::unique_ptr<session::Link> link, Gate& gate) : link_(std::move(link)), gate_(&gate) {}
+/// An open link has silenced its device.
+GateLink::GateLink(std::unique_ptr<session::Link> link, Gate& gate) : link_(std::move(link)), gate_(&gate) {
+  gate_->played_ = gate_->unsure_ = gate_->out_of_reach_ = false;
+}
 
 GateLink::~GateLink() {
   gate_->note_silence(Gate::Clock::now());
+}
+
+/// If the link fails, nobody knows what the device got.
+template <typename Work>
+void GateLink::pass(Work work) {
+  try {
+    work();
+  } catch (...) {
+    failed_ = true;
+    if (gate_->played_) gate_->unsure_ = true;
+    throw;
+  }
 }
 
 /// A board that plays by its own clock would play its last plan on.
@@ -97,7 +112,7 @@ void GateLink::shut(std::uint64_t slot) {
   nothing_.slot_s = newest_.schedule.slot_s;
   nothing_.time_s = newest_.schedule.time_s;
   if (std::exchange(passing_, false)) gate_->note({.from = slot, .until = slot, .schedule = nothing_});
-  link_->plan({.schedule = nothing_, .slots = {.from = slot, .until = slot}});
+  pass([&] { link_->plan({.schedule = nothing_, .slots = {.from = slot, .until = slot}}); });
 }
 
 /// Takes the drives that have arrived since the last call. Returns whether nothing has, although the link counts. A
@@ -106,8 +121,10 @@ bool GateLink::see_arrivals(Gate::Clock::time_point now) {
   const std::optional<session::Carried> carried = link_->carried();
   gate_->link_counts_ = carried.has_value();
   if (!carried) return false;
+  gate_->out_of_reach_ = carried->out_of_reach;
   const std::uint64_t all = carried->completed.drives + carried->starting, before = std::exchange(arrived_, all);
   gate_->note_arrivals(all - std::min(all, before), now);
+  if (all != before && !failed_) gate_->unsure_ = false;
   return all == before;
 }
 
@@ -122,7 +139,8 @@ void GateLink::plan(const session::PlayedPlan& plan) {
     return;
   }
   if (passing_) gate_->note(newest_);
-  link_->plan(plan);
+  if (plan.schedule.voice_count > 0) gate_->played_ = true;
+  pass([&] { link_->plan(plan); });
 }
 
 void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
@@ -133,7 +151,8 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
       gate_->note({.from = slot, .until = newest_.until, .schedule = newest_.schedule});
     const bool after_silence = !gate_->sounding(now);
     gate_->note(slot, drive, now);
-    planned ? link_->send_planned(slot, drive) : link_->send(slot, drive);
+    if (session::sounds(drive)) gate_->played_ = true;
+    pass([&] { planned ? link_->send_planned(slot, drive) : link_->send(slot, drive); });
     if (!see_arrivals(now)) {
       gate_->unheard_since_ = Gate::closed;
     } else if (session::sounds(drive) && (after_silence || gate_->unheard_since_ == Gate::closed)) {
@@ -144,9 +163,15 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
   if (passing_) shut(slot);
   withheld_.drives += session::sounds(drive) ? 1 : 0;
   silence_.assign(drive.size(), {});
-  link_->send(slot, silence_);
+  pass([&] { link_->send(slot, silence_); });
   see_arrivals(now);  // of drives that were on their way
   gate_->note_silence(now);
+}
+
+void GateLink::finish() {
+  gate_->out_of_reach_ = false;
+  pass([&] { link_->finish(); });
+  if (!failed_) gate_->unsure_ = gate_->played_ = false;  // the last silence has arrived
 }
 
 /// Drives and plans that the gate withheld are not lost.

@@ -69,10 +69,22 @@ class Gate {
   GateCounts counts() const;
   /// Whether a drive that sounds has passed within the last 100 ms.
   bool sounding(Clock::time_point now = Clock::now()) const { return is_recent(last_sound_, now); }
-  /// Whether such a drive has also arrived at the device in this time. For links that do not count: as sounding().
+  /// Whether such a drive has also arrived at the device, at least shortly before may_sound() would say that none does.
+  /// For links that do not count: as sounding().
   bool heard(Clock::time_point now = Clock::now()) const {
-    return sounding(now) && (!link_counts_ || is_recent(last_arrival_, now));
+    return sounding(now) && (!link_counts_ || is_recent(last_arrival_, now - longest_unheard));
   }
+  /// An array to which nothing arrives for longer is not there. Boards need much less for a drive or a plan.
+  static constexpr std::chrono::milliseconds longest_unheard{100};
+  /// Whether the device may play its last sound on, because it is not known to have got the silence after it: nothing
+  /// arrives, or its link failed.
+  bool may_sound(Clock::time_point now = Clock::now()) const {
+    return unsure_ || (played_ && (out_of_reach_ || unheard(now) > longest_unheard));
+  }
+  /// It may, from now on, until something arrives again or the link is opened again.
+  void doubt() { unsure_ = true; }
+  /// Whether the link says that its device takes nothing at the moment.
+  bool out_of_reach() const { return out_of_reach_; }
   /// For how long drives that sound have passed without any of them arriving at the device. Zero if they arrive, if
   /// nothing sounds, and for links that do not count.
   Clock::duration unheard(Clock::time_point now = Clock::now()) const {
@@ -102,7 +114,9 @@ class Gate {
   void note(const PlayedFrame& frame);
 
   std::atomic<Clock::rep> until_{closed}, last_sound_{closed}, last_arrival_{closed}, unheard_since_{closed};
-  std::atomic<bool> link_counts_{false};
+  std::atomic<bool> link_counts_{false}, out_of_reach_{false};
+  std::atomic<bool> played_{false};  ///< since the link was opened, something that sounds was passed to it
+  std::atomic<bool> unsure_{false};  ///< and it is not known whether the silence after it arrived
   std::atomic<double> newest_s_{never_s};
   std::atomic<std::uint64_t> sounded_{0};
   mutable std::mutex mutex_;
@@ -126,11 +140,13 @@ class GateLink final : public session::Link {
     send(slot, drive, true);
   }
   bool plays_plans() const override { return link_->plays_plans(); }
-  void finish() override { link_->finish(); }
+  void finish() override;
   std::optional<session::Carried> carried() const override;
 
  private:
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
+  template <typename Work>
+  void pass(Work work);
   void shut(std::uint64_t slot);
   bool see_arrivals(Gate::Clock::time_point now);
 
@@ -139,6 +155,7 @@ class GateLink final : public session::Link {
   session::Passed withheld_;
   std::uint64_t arrived_ = 0;
   bool passing_ = false;  ///< the link's last plan and drive may sound
+  bool failed_ = false;   ///< the link, once
   PlayedFrame newest_;    ///< of the last plan
   array::Schedule nothing_;
   array::Drive silence_;

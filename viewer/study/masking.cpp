@@ -8,12 +8,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <vector>
 
 #include "base/input_file.hpp"
+#include "base/log.hpp"
 #include "base/random.hpp"
 #include "base/text.hpp"
 #endif
@@ -94,6 +96,24 @@ std::vector<std::uint8_t> sound_of(const std::string& file) {
   return sound;
 }
 
+/// Warns of a file's sound that hardly masks anything.
+void doubt(const std::string& file, const std::vector<std::uint8_t>& sound) {
+  constexpr double faint = 1e-3, short_s = 1;
+  double peak = 0;
+  for (std::size_t i = 0; i < sound.size(); i += sizeof(float)) {
+    float value = 0;
+    std::memcpy(&value, &sound[i], sizeof value);
+    peak = std::max(peak, std::abs(double{value}));
+  }
+  const double lasts_s = static_cast<double>(sound.size() / (sizeof(float) * channels)) / rate_hz;
+  if (peak < faint) {
+    log::warning(fmt::format("{}: is silent, so it masks nothing: its loudest sample is {:.2g} % of full scale", file,
+                             100 * peak));
+  } else if (lasts_s < short_s) {
+    log::warning(fmt::format("{}: lasts only {:.2g} s, and is repeated: give a longer sound", file, lasts_s));
+  }
+}
+
 }  // namespace
 
 Masking::Masking(const std::string& kind) : name_(kind) {
@@ -106,7 +126,10 @@ Masking::Masking(const std::string& kind) : name_(kind) {
   };
   if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0) throw no_device();
   device_ = std::make_unique<Device>();
-  if (kind != "white") device_->sound = sound_of(kind);
+  if (kind != "white") {
+    device_->sound = sound_of(kind);
+    doubt(kind, device_->sound);
+  }
   SDL_AudioSpec wanted{};
   wanted.freq = rate_hz;
   wanted.format = AUDIO_F32SYS;
@@ -117,6 +140,8 @@ Masking::Masking(const std::string& kind) : name_(kind) {
   device_->id = SDL_OpenAudioDevice(nullptr, 0, &wanted, nullptr, 0);
   if (device_->id == 0) throw no_device();
   const char* const device = SDL_GetCurrentAudioDriver();
+  if (device != nullptr && (std::strcmp(device, "dummy") == 0 || std::strcmp(device, "disk") == 0))
+    log::warning(fmt::format("SDL2's audio driver is '{}', so nothing is heard in the headphones", device));
   // The log has no paths, which may have people's names.
   name_ = fmt::format("{} ({})", kind == "white" ? kind : std::filesystem::path(kind).filename().string(),
                       device != nullptr ? device : "?");

@@ -23,8 +23,6 @@ namespace {
 constexpr std::uint64_t frames_until_placed = 3;
 /// Without a newer look at the skin, nobody knows how deep the finger is.
 constexpr std::chrono::milliseconds longest_unseen{500};
-/// An array to which nothing arrives for longer is not there. Boards need much less for a drive or a plan.
-constexpr std::chrono::milliseconds longest_unheard{100};
 
 /// For the options of palpa run that an error names and a study does not have, the keys of the plan: "--dwell is
 /// `dwell_ms`". Empty if there are none.
@@ -215,7 +213,8 @@ void Presentation::look() {
   if (!fault_.empty()) return;
   if (!session_) start();
   if (!session_ || session_method_ != method_) return;
-  if (gate_.unheard() > longest_unheard) {
+  if (gate_.unheard() > Gate::longest_unheard) {
+    gate_.doubt();
     gate_.close();
     // The session stays: its link silences the array as soon as that takes drives again.
     fault_ = "the array takes no drives: see whether it is plugged in and switched on";

@@ -212,9 +212,11 @@ drawing::Pixels draw(const ExperimenterView& view, std::uint32_t width, std::uin
   page.text(view.state, {names, 6.5 * unit}, 1.7 * unit, screen_ink, Align::left);
   const ButtonPlace lamp{whole(width - 24 * unit, width - 1), whole(4.4 * unit, height - 1),
                          whole(width - 3 * unit, width - 1), whole(7.4 * unit, height - 1)};
-  page.box(lamp, view.sounds ? sounding_lamp : silent_lamp, view.sounds ? sounding_lamp : silent_lamp);
-  page.text(view.sounds ? "the array sounds" : "silence", {(lamp.left + lamp.right) / 2.0, 6.4 * unit}, unit,
-            screen_ink, Align::centre);
+  const Colour lamp_fill = view.may_sound || view.sounds ? sounding_lamp : silent_lamp;
+  page.box(lamp, lamp_fill, lamp_fill);
+  const char* lamp_text = view.may_sound ? "may sound: switch it off" : view.sounds ? "the array sounds" : "silence";
+  page.text(lamp_text, {(lamp.left + lamp.right) / 2.0, 6.4 * unit},
+            fitted(lamp_text, unit, lamp.right - lamp.left - unit), screen_ink, Align::centre);
   const double last = height - 10 * unit;
   double y = 10 * unit;
   for (const StateLine& line : view.lines) {

@@ -33,7 +33,8 @@ enum class Command { go_on, pause, stop };
 
 struct ExperimenterView {
   std::string title{}, state{};
-  bool sounds = false;
+  bool may_sound = false;  ///< it is not known whether the array is silent
+  bool sounds = false;     ///< unless that
   std::vector<StateLine> lines{};
   struct Button {
     Command command = Command::go_on;

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
+#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/text.hpp"
@@ -47,13 +48,19 @@ void run_withdraw(const WithdrawCommand& o) {
   const std::uint32_t number = number_in(o.participant.front());
   const Outputs outputs({{"--json", o.common.json}});
   const study::Withdrawal withdrawal = study::withdraw(o.out, number);
+  for (const std::filesystem::path& place : withdrawal.remaining)
+    log::warning(fmt::format("{} remains, because only a link to it was in the folder: erase it, too", place.string()));
   if (!o.common.json.empty()) {
     JsonWriter json;
     json.begin_object()
         .member("participant", number)
         .member("erased", withdrawal.files)
         .member("withdrew_before", withdrawal.before)
-        .end_object();
+        .key("remaining")
+        .begin_array();
+    for (const std::filesystem::path& place : withdrawal.remaining)
+      json.value(place.string());
+    json.end_array().end_object();
     write_file(o.common.json, json.take());
   }
   if (setup::shows_summary(o.common, outputs)) {

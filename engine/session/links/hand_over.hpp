@@ -36,6 +36,8 @@ struct Carried {
   /// Drives that sounded while the first plan of a touch was being transferred, within the time that the board's line
   /// needs for it. They do not count as lost, because no board can play a plan before it has arrived.
   std::uint64_t starting = 0;
+  /// The device takes nothing at the moment, for example because it was unplugged. It plays on what it has.
+  bool out_of_reach = false;
 };
 
 /// All hand-overs of a run.

@@ -26,19 +26,24 @@ class SoundWatch {
     const std::uint64_t all = behind ? behind->completed.drives + behind->starting : 0;
     const bool arrives = behind ? all != arrived_ : sounds;
     arrived_ = all;
+    out_of_reach_ = behind && behind->out_of_reach;
     if (!arrives) return;
     sounded_ = at;
     waits_since_ = never;
   }
   /// Nothing leaves any more.
-  void close() { left_ = sounded_ = waits_since_ = never; }
+  void close() {
+    left_ = sounded_ = waits_since_ = never;
+    out_of_reach_ = false;
+  }
 
   /// Whether a drive that sounds has arrived within the longest lull.
   bool sounding(Clock::time_point now = Clock::now()) const { return is_recent(sounded_, now); }
-  /// Whether drives that sound have left for longer than that, and none has arrived: a board that was unplugged takes
-  /// none.
+  /// Whether drives that sound have left for longer than that, and none has arrived, or the link says that its device
+  /// takes none, after it has sounded. It may then play its last sound on.
   bool stuck(Clock::time_point now = Clock::now()) const {
     const Clock::rep since = waits_since_;
+    if (out_of_reach_ && sounded_ != never) return true;
     return since != never && !is_recent(since, now) && is_recent(left_, now);
   }
 
@@ -49,6 +54,7 @@ class SoundWatch {
   }
 
   std::atomic<Clock::rep> left_{never}, sounded_{never}, waits_since_{never};
+  std::atomic<bool> out_of_reach_{false};
   std::uint64_t arrived_ = 0;
 };
 

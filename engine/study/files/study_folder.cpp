@@ -372,8 +372,13 @@ Participant assemble(Folder& folder, const Study& study) {
       }
     }
   }
-  if (participant.trials.empty() && !folder.sessions.empty())
-    folder.left_out.push_back(fmt::format("{}: has no answered trial; the participant is left out", participant.place));
+  if (participant.trials.empty() && !folder.sessions.empty()) {
+    const bool planned = std::ranges::any_of(folder.sessions, [](const Session& session) {
+      return std::ranges::find(session.events.rows, BlockKind::trial, &EventRow::kind) != session.events.rows.end();
+    });
+    folder.left_out.push_back(fmt::format("{}: {}has no answered trial; the participant is left out", participant.place,
+                                          planned ? "" : "has no row of a block 'trial', so it "));
+  }
   return participant;
 }
 
@@ -419,10 +424,12 @@ Study read_study(std::span<const std::string> places) {
     if (!participant.trials.empty()) study.participants.push_back(std::move(participant));
   }
   if (study.participants.empty()) {
-    // The first line says what is wrong with the only, or the first, log.
-    throw bad_input(places[0], study.left_out.empty()
-                                   ? "has no answered trial"
-                                   : fmt::format("nothing can be analysed: {}", study.left_out.front()));
+    // The first line says what is wrong with the only, or the first, log, unless that is analysed all the same.
+    const auto reason = std::ranges::find_if(study.left_out, [](const std::string& line) {
+      return line.find("analysed all the same") == std::string::npos;
+    });
+    throw bad_input(places[0], reason == study.left_out.end() ? "has no answered trial"
+                                                              : fmt::format("nothing can be analysed: {}", *reason));
   }
   return study;
 }

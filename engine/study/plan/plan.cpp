@@ -32,7 +32,7 @@ const std::vector<DefaultText>& default_texts() {
       {"felt", TextId::felt, "Did you feel anything?", true},
       {"not_yet", TextId::not_yet, "Please wait for the question.", true},
       {"which_shape", TextId::which_shape, "Which shape was it?"},
-      {"paused", TextId::paused, "Paused. Nothing sounds. Please wait."},
+      {"paused", TextId::paused, "Paused. Please take your hand away and wait."},
       {"right", TextId::right_answer, "Right."},
       {"wrong", TextId::wrong_answer, "Wrong."},
       {"end", TextId::end, "That was all. Thank you."},
@@ -82,6 +82,17 @@ std::uint32_t trials_of_method(const StudyPlan& plan) {
 
 std::uint32_t usual_least_trials(const StudyPlan& plan) {
   return (3 * trials_of_method(plan) + 3) / 4;
+}
+
+std::vector<std::string> doubts_of(const StudyPlan& plan) {
+  std::vector<std::string> doubts;
+  if (std::ranges::find(plan.blocks, BlockKind::trial, &PlanBlock::kind) == plan.blocks.end()) {
+    doubts.emplace_back("has no [[block]] of the kind 'trial', and nothing else is analysed");
+  } else if (trials_of_method(plan) == 0 && plan.methods.size() > 1) {
+    doubts.emplace_back("each block 'trial' has once = true: there are trials with a participant's first method only");
+  }
+  if (plan.level.ceiling == 0) doubts.emplace_back("the ceiling of [level] is 0: nothing sounds");
+  return doubts;
 }
 
 double sounding_s(const StudyPlan& plan) {

@@ -175,6 +175,9 @@ std::uint32_t trials_of_method(const StudyPlan& plan);
 /// Three quarters of them, rounded up.
 std::uint32_t usual_least_trials(const StudyPlan& plan);
 
+/// What a plan measures less than its author may think, one line each; empty for a usual plan.
+std::vector<std::string> doubts_of(const StudyPlan& plan);
+
 /// The most touches of a simulated plan: a few hours of computation.
 inline constexpr std::size_t most_planned_touches = 50'000;
 /// The most steps of a participant's session: days of touching.

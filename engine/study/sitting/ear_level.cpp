@@ -227,11 +227,14 @@ const std::vector<EarLimit>& ear_limits() {
 std::string needs_approval(const StudyPlan& plan, const EarLevel& level) {
   if (const double above_db = level.loudest_db() - plan.level.limit_db; above_db > 0) {
     const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
+    // Three decimals, and two digits of what is smaller.
+    const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(fits)) - 1));
     return fmt::format(
         "{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its [level] from "
-        "{} to {:g}, or move the participant away",
+        "{} to {:g}, or move the participant away{}",
         plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
-        std::floor(fits * 1000) / 1000);
+        std::floor(fits / step) * step,
+        fits < 1e-3 ? "; see whether left_ear_mm and right_ear_mm are in millimetres" : "");
   }
   if (const double below_db = level.predicted_db() - level.loudest_db(); below_db > impossible_reading_db) {
     return fmt::format(
@@ -242,6 +245,8 @@ std::string needs_approval(const StudyPlan& plan, const EarLevel& level) {
 }
 
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {
+  if (!signature.empty() && signature.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw bad_usage("--override is blank: say who accepted the level, such as the number of an ethics decision");
   if (const std::string why = needs_approval(plan, level); !why.empty() && signature.empty()) throw bad_usage(why);
 }
 

@@ -59,8 +59,7 @@ inline constexpr double impossible_reading_db = 20;
 /// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
 /// boards without amplitudes. Then all transducers are at the ceiling. Boards without amplitudes turn that share of
 /// their transducers on, whose sound beside the focus falls with the square root of the share.
-EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects,
-                           const array::Layout* placed = nullptr);
+EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr);
 
 /// A line about a reading that is below the prediction by more than reflections_db; empty otherwise.
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level);

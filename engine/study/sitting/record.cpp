@@ -149,6 +149,11 @@ Agenda Record::agenda() const {
 
 void Record::add(const Entry& entry) {
   const std::string line = entry_line(entry, digits_);
+  if (!file_.is_at(folder_.journal())) {
+    throw failure(
+        file_.name() +
+        ": was removed or replaced while it was written: put it back, or give this participant another number");
+  }
   file_.write(line, true);
   digits_ = digits_of(line);
   entries_.push_back(entry);

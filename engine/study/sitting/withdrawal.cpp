@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <system_error>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -21,6 +22,20 @@ std::string tombstone_text(std::uint32_t participant) {
   return json.take();
 }
 
+/// What symbolic links in the folder lead to.
+std::vector<fs::path> linked_from(const fs::path& folder) {
+  std::vector<fs::path> linked;
+  std::error_code fault;
+  for (fs::recursive_directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault)) {
+    std::error_code dangling;
+    if (!at->is_symlink(dangling)) continue;
+    const fs::path target = fs::canonical(at->path(), dangling);
+    if (!dangling) linked.push_back(target);
+  }
+  if (fault) throw failure(fmt::format("{}: cannot be read: {}", folder.string(), fault.message()));
+  return linked;
+}
+
 }  // namespace
 
 Withdrawal withdraw(const fs::path& study, std::uint32_t participant) {
@@ -32,8 +47,9 @@ Withdrawal withdraw(const fs::path& study, std::uint32_t participant) {
   }
   const Outputs outputs({{"--out", folder.path.string(), Output::Kind::continued_folder}});
   Withdrawal withdrawal{.before = folder.withdrawn()};
-  // Throws while a sitting has the journal open.
-  if (fs::exists(folder.journal(), fault)) open_to_append(folder.journal());
+  // Throws while a sitting has the journal open. One that is linked is no sitting's.
+  if (fs::is_regular_file(fs::symlink_status(folder.journal(), fault))) open_to_append(folder.journal());
+  const std::vector<fs::path> linked = linked_from(folder.path);
   if (!withdrawal.before) open_to_append(folder.tombstone()).write(tombstone_text(participant), true);
   const auto erase = [&](const fs::path& path) {
     const std::uintmax_t files = fs::remove_all(path, fault);
@@ -47,6 +63,9 @@ Withdrawal withdraw(const fs::path& study, std::uint32_t participant) {
     if (at->path() != folder.tombstone()) erase(at->path());
   }
   if (fault) throw failure(fmt::format("{}: cannot be read: {}", folder.path.string(), fault.message()));
+  for (const fs::path& target : linked) {
+    if (fs::exists(target, fault)) withdrawal.remaining.push_back(target);
+  }
   return withdrawal;
 }
 

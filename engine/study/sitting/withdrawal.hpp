@@ -5,12 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace palpa::study {
 
 struct Withdrawal {
   std::size_t files = 0;  ///< that were erased
   bool before = false;    ///< the participant had withdrawn before, and nothing was left
+  /// Files and folders elsewhere, to which links in the folder led. They still exist.
+  std::vector<std::filesystem::path> remaining{};
 };
 
 /// Erases the participant's files from the study's folder. The tombstone is written first and is on the disk before

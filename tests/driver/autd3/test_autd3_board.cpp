@@ -282,9 +282,11 @@ TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
     rig.board->tend();
   }
   ASSERT_EQ(rig.notes.warnings.size(), 1u) << "told once";
+  EXPECT_TRUE(rig.board->counts().out_of_reach);
   rig.serving = std::make_unique<Serving>(rig.server, port);
   ASSERT_TRUE(rig.tend_until([&] { return rig.notes.warnings.size() == 2; }));
   EXPECT_CONTAINS(rig.notes.warnings[1], "the server is back");
+  EXPECT_FALSE(rig.board->counts().out_of_reach);
   EXPECT_TRUE(rig.tend_until([&] { return part_heard(rig, 0) >= 0; }));
   rig.board->all_off();
   EXPECT_TRUE(rig.board->close());

@@ -70,8 +70,10 @@ TEST(OpenMpdFaults, OneBoardOfTwoUnpluggedSilencesBoth) {
   EXPECT_FALSE(rig.fpga(0).sounds()) << "the one that is still there";
   rig.play_on(1);
   EXPECT_FALSE(rig.fpga(0).sounds());
+  EXPECT_TRUE(rig.board->counts().out_of_reach);
   *rig.faults[1] = {};
   expect_recovery(rig, "EMU2");
+  EXPECT_FALSE(rig.board->counts().out_of_reach);
   // Since they were silenced, both have had the same frames; the unplugged one missed the burst after its fault.
   EXPECT_EQ(rig.fpga(0).shown_s(), rig.fpga(1).shown_s());
   EXPECT_GT(rig.fpga(0).frames_in_step(), 500u);

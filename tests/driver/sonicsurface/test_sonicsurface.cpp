@@ -389,6 +389,7 @@ TEST(SonicSurfaceBoard, ALineThatGoesAwayIsToldOnceAndSilencedWhenItIsBack) {
   for (int more = 0; more < 20; ++more)
     told();
   EXPECT_EQ(rig.notes.warnings, (std::vector<std::string>{"the serial port is gone"}));
+  EXPECT_TRUE(rig.board->counts().out_of_reach);
   rig.board->all_off();
   EXPECT_FALSE(rig.board->close()) << "nobody knows";
   std::filesystem::create_symlink(rig.path(), port);  // its board has sounded since it was switched on

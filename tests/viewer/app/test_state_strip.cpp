@@ -21,7 +21,7 @@ Content running_with(const std::string& link) {
   return content;
 }
 
-TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
+TEST(ArrayStatus, IsOneOfFourWordsWithTheLink) {
   const auto says = [](const Content& content, const std::string& word, const std::string& more) {
     EXPECT_EQ(array_status(content).word, word) << more;
     EXPECT_EQ(array_status(content).more, more);
@@ -32,7 +32,7 @@ TEST(ArrayStatus, IsOneOfThreeWordsWithTheLink) {
   content.run.sounding = true;
   says(content, "SOUNDING", "on " + link);
   content.run.stuck = true;
-  says(content, "SILENT", link + " takes no drives");
+  says(content, "MAY SOUND", link + " takes no drives");
   content.run.state = LiveState::ended;
   EXPECT_EQ(array_status(content).word, "OFF") << "whatever sounded last";
   content.run.state = LiveState::failed;

@@ -25,6 +25,7 @@ struct Heard {
   std::atomic<bool> breaks{false};    ///< set by a test: the link fails
   std::atomic<bool> swallows{false};  ///< set by a test: drives no longer arrive
   std::atomic<bool> halves{false};    ///< set by a test: every second drive does not arrive
+  std::atomic<bool> gone{false};      ///< set by a test: the device is out of reach, as the link knows
   std::atomic<bool> unsure{false};    ///< set by a test: it is not known whether the last silence arrived
   std::atomic<std::uint64_t> arrived{0};
   std::atomic<bool> last_sounds{false}, finished{false};
@@ -55,8 +56,10 @@ class HeardLink final : public session::Link {
     if (heard_->unsure) throw failure("heard: it is not known whether the last silence reached the board");
   }
   std::optional<session::Carried> carried() const override {
-    return session::Carried{
-        .guard = {}, .submitted = {.drives = heard_->sounding}, .completed = {.drives = heard_->arrived}};
+    return session::Carried{.guard = {},
+                            .submitted = {.drives = heard_->sounding},
+                            .completed = {.drives = heard_->arrived},
+                            .out_of_reach = heard_->gone};
   }
 
  private:

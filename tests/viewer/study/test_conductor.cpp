@@ -215,6 +215,7 @@ TEST_F(ConductorTest, AnArrayThatFailsIsAPauseAndCanContinue) {
   bench.heard()->breaks = true;
   expect_pause("heard: broken");
   EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
+  EXPECT_TRUE(bench.conductor().experimenter_view().may_sound);
   bench.heard()->breaks = false;
   bench.press(Key::space, true);
   ASSERT_TRUE(touches_and_sounds());
@@ -259,7 +260,10 @@ TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
   ASSERT_TRUE(touches_and_sounds());
   bench.heard()->swallows = true;
   expect_pause("the array takes no drives");
+  EXPECT_TRUE(bench.conductor().experimenter_view().may_sound);
+  EXPECT_EQ(bench.conductor().participant_view().text.find("othing sounds"), std::string::npos) << "who knows";
   EXPECT_TRUE(bench.is_silent());
+  EXPECT_TRUE(bench.conductor().experimenter_view().may_sound) << "until it is known";
   EXPECT_FALSE(bench.heard()->finished) << "somebody has to silence it when it takes drives again";
   const std::uint64_t before = bench.heard()->drives;
   EXPECT_TRUE(bench.goes_until([&] { return bench.heard()->drives > before; }, false)) << "drives of silence";
@@ -268,7 +272,23 @@ TEST_F(ConductorTest, AnArrayThatTakesNoDrivesIsAPauseAndCanContinue) {
   bench.heard()->swallows = false;
   bench.press(Key::space, true);
   ASSERT_TRUE(touches_and_sounds()) << "it is plugged in again";
+  EXPECT_FALSE(bench.conductor().experimenter_view().may_sound);
   EXPECT_EQ(bench.heard()->opened, 2);
+}
+
+TEST_F(ConductorTest, AnArrayThatIsOutOfReachIsToldBeforeTheFirstTouch) {
+  test::SittingBench& bench = long_touches();
+  ASSERT_TRUE(is_ready());
+  bench.heard()->gone = true;
+  const auto told = [&] {
+    const ExperimenterView view = bench.conductor().experimenter_view();
+    const auto array = std::ranges::find(view.lines, "array", &StateLine::name);
+    return array->warns && array->value.starts_with("heard is out of reach");
+  };
+  ASSERT_TRUE(bench.goes_until(told, false));
+  EXPECT_FALSE(bench.conductor().experimenter_view().may_sound) << "it has not sounded";
+  bench.heard()->gone = false;
+  EXPECT_TRUE(bench.goes_until([&] { return !told(); }, false));
 }
 
 TEST_F(ConductorTest, AnArrayThatMaySoundOnIsToldBeforeTheNextTouchAndAtTheEnd) {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "base/sha256.hpp"
+#include "support/begins.hpp"
+#include "support/thrown.hpp"
 #include "viewer/live/heard_link.hpp"
 #include "viewer/study/gate.hpp"
 
@@ -203,6 +205,55 @@ TEST_F(GateTest, KnowsForHowLongNothingArrives) {
   send(0);
   send(1);
   EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns);
+}
+
+/// Silence that is not known to have arrived is not told as silence.
+TEST_F(GateTest, KnowsWhetherTheArrayMaySoundOn) {
+  drive_[0].amplitude = 1;
+  heard_->gone = true;
+  counting_.send(0, drive_);
+  EXPECT_FALSE(gate_.may_sound()) << "nothing has sounded";
+  EXPECT_TRUE(gate_.out_of_reach());
+  heard_->gone = false;
+  gate_.open(later());
+  counting_.send(1, drive_);
+  EXPECT_FALSE(gate_.may_sound()) << "it sounds";
+  heard_->gone = true;
+  counting_.send(2, drive_);
+  EXPECT_TRUE(gate_.may_sound()) << "the link knows it at once";
+  gate_.close();
+  counting_.send(3, drive_);
+  EXPECT_TRUE(gate_.may_sound()) << "silence does not arrive";
+  heard_->gone = false;
+  counting_.send(4, drive_);
+  EXPECT_FALSE(gate_.may_sound()) << "the link silenced it when it was back";
+
+  gate_.open(later());
+  heard_->swallows = true;  // the link does not know
+  ASSERT_TRUE(test::begins([&] {
+    counting_.send(5, drive_);
+    return gate_.may_sound();
+  }));
+  gate_.doubt();
+  gate_.close();
+  counting_.send(6, drive_);
+  EXPECT_TRUE(gate_.may_sound()) << "nor whether the silence has arrived";
+  heard_->swallows = false;
+  gate_.open(later());
+  counting_.send(7, drive_);
+  EXPECT_FALSE(gate_.may_sound());
+
+  heard_->unsure = true;
+  EXPECT_ERROR(counting_.finish(), Exit::failed, "the last silence");
+  EXPECT_TRUE(gate_.may_sound());
+  heard_->unsure = false;
+  GateLink again(std::make_unique<test::HeardLink>(heard_), gate_);
+  EXPECT_FALSE(gate_.may_sound()) << "its link has silenced it";
+  again.send(8, drive_);
+  heard_->breaks = true;
+  EXPECT_ERROR(again.send(9, drive_), Exit::failed, "broken");
+  again.finish();
+  EXPECT_TRUE(gate_.may_sound());
 }
 
 /// What is handed over is not what the array gets.

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "support/captured.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -29,7 +30,7 @@ std::string fault_of(const std::string& kind, Exit code) {
 }
 
 /// A WAV file of 8-bit samples, one channel.
-std::string wav(std::uint32_t samples, std::uint32_t rate_hz = 8000) {
+std::string wav(std::uint32_t samples, std::uint32_t rate_hz = 8000, char sample = '\x40') {
   const auto number = [](std::uint32_t value, int bytes) {
     std::string text;
     for (int i = 0; i < bytes; ++i)
@@ -38,7 +39,7 @@ std::string wav(std::uint32_t samples, std::uint32_t rate_hz = 8000) {
   };
   return "RIFF" + number(36 + samples, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) + number(1, 2) +
          number(rate_hz, 4) + number(rate_hz, 4) + number(1, 2) + number(8, 2) + "data" + number(samples, 4) +
-         std::string(samples, '\x40');
+         std::string(samples, sample);
 }
 
 TEST(Masking, OnlyOffBeginsWithoutADevice) {
@@ -47,6 +48,22 @@ TEST(Masking, OnlyOffBeginsWithoutADevice) {
   masking.play(true);
   EXPECT_EQ(masking.name(), "off");
   EXPECT_CONTAINS(fault_of("white", Exit::failed), "masking = \"off\"");
+}
+
+TEST(Masking, WarnsOfWhatMasksNothing) {
+  if (!Masking::available()) GTEST_SKIP() << "skipped: built without SDL2";
+  const AudioDriver dummy("dummy");
+  const std::filesystem::path folder = test::scratch_folder("masking-nothing");
+  const auto said = [&](const std::string& sound) {
+    test::write_text(folder / "sound.wav", sound);
+    return test::stderr_of([&] { const Masking masking((folder / "sound.wav").string()); });
+  };
+  constexpr char silent = '\x80';
+  EXPECT_CONTAINS(said(wav(16000, 8000, silent)), "sound.wav: is silent");
+  EXPECT_CONTAINS(said(wav(300)), "lasts only");
+  const std::string usual = said(wav(16000));
+  EXPECT_EQ(usual.find("sound.wav"), std::string::npos) << usual;
+  EXPECT_CONTAINS(usual, "audio driver is 'dummy'");
 }
 
 TEST(Masking, PlaysNoiseOrAFile) {

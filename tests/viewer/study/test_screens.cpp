@@ -155,6 +155,10 @@ TEST(Screens, TheExperimenterSeesWhetherItSounds) {
   };
   EXPECT_EQ(red(draw(view, 900, 620)), 0u);
   EXPECT_GT(red(draw(sounding, 900, 620)), 1000u);
+  ExperimenterView may_sound = view;
+  may_sound.may_sound = true;
+  EXPECT_GT(red(draw(may_sound, 900, 620)), 1000u);
+  EXPECT_NE(draw(may_sound, 900, 620).rgba, draw(sounding, 900, 620).rgba);
   const auto places = button_places(view, 900, 620);
   ASSERT_EQ(places.size(), 2u);
   EXPECT_LT(places[0].right, places[1].left);
