@@ -73,6 +73,12 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
   return made;
 }
 
+/// False, also NumPy's.
+bool is_false(const py::object& answer) {
+  if (answer.is_none() || PyBool_Check(answer.ptr())) return answer.is(py::bool_(false));
+  return py::isinstance(answer, py::module_::import("numpy").attr("bool_")) && PyObject_Not(answer.ptr()) == 1;
+}
+
 /// Calls a callback with the interpreter's lock. Its exception ends the run at once, as an error; the answer False ends
 /// it with the ramp.
 template <typename Make>
@@ -83,7 +89,7 @@ void call_back(SessionObject& o, const py::object& callback, const Make& argumen
     if (!locked || run.callback_fault) return;
     const OwnFunctions::Called called(o.own);
     try {
-      if (call_python(callback, py::make_tuple(argument())).is(py::bool_(false))) run.stop = true;
+      if (is_false(call_python(callback, py::make_tuple(argument())))) run.stop = true;
       return;
     } catch (py::error_already_set& error) {
       run.callback_fault.emplace(error);

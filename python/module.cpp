@@ -249,9 +249,29 @@ void guard_function(PyObject* function) {
     definition.ml_meth = reinterpret_cast<PyCFunction>(plain(call_guarded));
 }
 
+/// pybind11's, which calls every class.
+ternaryfunc make_object = nullptr;
+
+/// Without a class of C++ behind it, pybind11's own base class ends the program when it is called. Protocols 0 and 1 of
+/// pickle call it for objects that cannot be pickled.
+PyObject* make_guarded(PyObject* type, PyObject* arguments, PyObject* keywords) {
+  if (!py::detail::all_type_info(reinterpret_cast<PyTypeObject*>(type)).empty())
+    return make_object(type, arguments, keywords);
+  PyErr_SetString(PyExc_TypeError, "such an object cannot be made, and those of its classes cannot be pickled");
+  return nullptr;
+}
+
+void guard_classes() {
+  PyTypeObject& metaclass = *py::detail::get_internals().default_metaclass;
+  if (metaclass.tp_call == make_guarded) return;
+  make_object = metaclass.tp_call;
+  metaclass.tp_call = make_guarded;
+}
+
 }  // namespace
 
 void guard(const py::module_& m) {
+  guard_classes();
   for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(m.attr("__dict__"))) {
     guard_function(value.ptr());
     if (!PyType_Check(value.ptr())) continue;

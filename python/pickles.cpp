@@ -203,6 +203,16 @@ std::map<std::string, std::function<py::object(Archive&)>>& makers() {
   return *all;
 }
 
+/// Python always has binascii.
+py::object checksum_of(const py::bytes& bytes) {
+  return py::module_::import("binascii").attr("crc32")(bytes);
+}
+
+/// What restore() is given.
+py::tuple of_bytes(const std::string& name, const py::bytes& bytes, const py::object& frame) {
+  return py::make_tuple(name, bytes, checksum_of(bytes), frame);
+}
+
 template <typename Object>
 void add_pickle(const py::module_& m, const char* name) {
   makers()[name] = [](Archive& archive) {
@@ -222,15 +232,17 @@ void add_pickle(const py::module_& m, const char* name) {
           if (o.frame) frame = o.frame;
         }
         return py::make_tuple(py::module_::import("palpa._pickle").attr("restore"),
-                              py::make_tuple(name, py::bytes(archive.take()), frame));
+                              of_bytes(name, py::bytes(archive.take()), frame));
       },
       py::name("__reduce__"), py::is_method(cls));
 }
 
-/// `frame`: that of a Places; None if it has none.
-py::object restore(const std::string& name, const py::bytes& bytes, const py::object& frame) {
+/// `frame`: that of a Places; None if it has none. Bytes that were changed may be indices beyond their arrays.
+py::object restore(const std::string& name, const py::bytes& bytes, const py::object& checksum,
+                   const py::object& frame) {
   const auto maker = makers().find(name);
   if (maker == makers().end()) throw bad_usage(fmt::format("palpa has no class {}", printable(name, 60)));
+  if (!checksum_of(bytes).equal(checksum)) throw bad_usage("the pickle is damaged: its checksum does not fit");
   const std::string data = bytes;
   Archive archive(data);
   std::string version;
@@ -248,7 +260,7 @@ py::object restore(const std::string& name, const py::bytes& bytes, const py::ob
 }  // namespace
 
 void add_pickles(py::module_& m) {
-  m.def("_restore", &restore, py::arg("name"), py::arg("bytes"), py::arg("frame") = py::none());
+  m.def("_restore", &restore, py::arg("name"), py::arg("bytes"), py::arg("checksum"), py::arg("frame") = py::none());
   add_pickle<MeshObject>(m, "Mesh");
   add_pickle<LayoutObject>(m, "Layout");
   add_pickle<CameraObject>(m, "Camera");

@@ -2,9 +2,9 @@
 from palpa import _engine  # type: ignore[attr-defined]  # it has no stub of its own
 
 
-def restore(name, data, frame=None):
-    """An object of this class; `frame`: that of a Places."""
-    return _engine._restore(name, data, frame)
+def restore(name, data, checksum, frame=None):
+    """An object of this class; `checksum`: that of the data; `frame`: that of a Places."""
+    return _engine._restore(name, data, checksum, frame)
 
 
 def scene(given, options):

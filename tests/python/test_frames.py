@@ -94,3 +94,32 @@ def test_lists_planes_and_lines_keep_the_frame(openmpd, sonic, touch):
     plain = palpa.plane("xz", centre=np.asarray(foci[0]), size=(0.01, 0.01), pixels=(2, 2))
     assert type(plain.points) is np.ndarray and openmpd.field(drive, plain, backend="cpu").peak > 0
     assert openmpd.field(drive, np.stack(list(foci)), backend="cpu").peak > 0
+
+
+def test_what_is_written_into_an_array_says_where_it_belongs(openmpd, sonic, touch):
+    foci = touch.fingers[0].foci
+    own = openmpd.from_world(foci)
+    filled, partly, view, copied = (foci.copy() for _ in range(4))
+    filled[:] = own
+    partly[0] = own[0]
+    view[:2][:] = own[:2]
+    np.copyto(copied, own)
+    right = openmpd.solve(own, solver="gs-pat", backend="cpu").foci
+    for points in (filled, copied):
+        assert np.allclose(openmpd.solve(points, solver="gs-pat", backend="cpu").foci, right)
+    refused(lambda: sonic.solve(filled, backend="cpu"), "openmpd", "sonicsurface")
+    assert partly.of is view.of is copied.of is None and foci.of == "world"
+    out = foci.copy()
+    np.add(own, 0, out=out)
+    assert out.of is None
+    # What stays in its frame, and single numbers.
+    same = foci.copy()
+    same[0], same[1, 2] = foci[1], 0.2
+    refused(lambda: openmpd.solve(same, backend="cpu"), "in the world")
+    one, other = openmpd.drive([0, 0, 0.15], backend="cpu"), sonic.drive([0, 0, 0.15], backend="cpu")
+    drive = one.copy()
+    drive[3] = 0
+    refused(lambda: sonic.field(drive, [0, 0, 0.1], backend="cpu"), "openmpd", "sonicsurface")
+    drive[:] = other
+    refused(lambda: openmpd.field(drive, [0, 0, 0.1], backend="cpu"), "openmpd", "sonicsurface")
+    assert sonic.field(drive, [0, 0, 0.1], backend="cpu").peak > 0

@@ -1,4 +1,5 @@
 """Scenes, layouts and cameras of arrays, and pickles."""
+import binascii
 import copy
 import pickle
 import subprocess
@@ -93,8 +94,22 @@ def test_pickles(cube, finger, openmpd, sphere, tmp_path):
             openmpd.solve(foci, backend="cpu")
     with pytest.raises(palpa.BadUsage, match="openmpd"):
         palpa.Layout("sonicsurface").field(pickle.loads(pickle.dumps(drive)), [0, 0, 0.1], backend="cpu")
+    # Damage, such as an index beyond the vertices.
+    name, data, checksum, frame = mesh.__reduce__()[1]
     with pytest.raises(palpa.BadUsage, match="cut off"):
-        palpa._engine._restore("Mesh", pickle.loads(pickle.dumps(mesh)).__reduce__()[1][1][:-9])
+        palpa._engine._restore(name, data[:-9], binascii.crc32(data[:-9]), frame)
+    at = data.index(np.asarray(mesh.faces).astype("<u4").tobytes())
+    with pytest.raises(palpa.BadUsage, match="damaged"):
+        palpa._engine._restore(name, data[:at] + b"\0\x09\x3d\0" + data[at + 4:], checksum, frame)
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_what_cannot_be_pickled_says_so(cube, protocol):
+    for one in (cube["cube"], palpa.Session(cube, backend="cpu")):
+        with pytest.raises(TypeError, match="cannot"):
+            pickle.dumps(one, protocol)
+    mesh = palpa.Mesh("assets/cube.glb")
+    assert np.array_equal(pickle.loads(pickle.dumps(mesh, protocol)).vertices, mesh.vertices)
 
 
 def test_another_process_works_with_them(tmp_path):

@@ -53,6 +53,14 @@ def test_an_object_without_a_value_has_no_members(cls):
     gc.collect()
 
 
+def test_the_class_of_all_classes_makes_nothing():
+    base = palpa.Layout.__mro__[-2]
+    with pytest.raises(TypeError, match="cannot be made"):
+        base()
+    with pytest.raises(TypeError, match="cannot be made"):
+        type("Own", (base,), {})()
+
+
 def test_an_object_without_a_value_is_no_argument(cube, finger):
     for call in (lambda o: palpa.Session(o(palpa.Scene)), lambda o: palpa.decompose(o(palpa.Scene)), lambda o: palpa.export(cube, o(palpa.Recording)),
                  lambda o: palpa.scatter(o(palpa.Mesh), plane_wave=[0, 0, 1]), lambda o: palpa.FingerSound(o(palpa.Layout), "assets/finger.ply"),

@@ -221,12 +221,13 @@ def test_the_gain_multiplies_amplitudes_and_the_last_drive_is_silent(cube, tmp_p
     assert amplitudes.max() == pytest.approx(0.25, rel=1e-6) and amplitudes[-1].max() == 0
 
 
-def test_false_ends_a_run(cube):
+@pytest.mark.parametrize("truth", [bool, np.bool_])
+def test_false_ends_a_run(cube, truth):
     seen = []
 
     def on_frame(touch):
         seen.append(touch)
-        return len(seen) < 3
+        return truth(len(seen) < 3)
 
     assert live(cube).run(on_frame=on_frame).frames >= 3 and 3 <= len(seen) <= 5
 
