@@ -195,6 +195,7 @@ TEST(Scatter, RefusesWhatIsNoBody) {
   refused("swapped", swapped, "opposite orientation");
   refused("points", {sphere.positions, {}}, "has no faces");
   refused("coarse", test::box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}), "too coarse");
+  refused("millimetres", test::box({-10, -10, -10}, {10, 10, 10}), "see whether its vertices are in metres");
   const Result forced =
       palpa_here({"scatter", "--mesh", ply_of("coarse", box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})), "--plane-wave",
                   "0,0,1", "--force", "--json", "-"});
