@@ -116,17 +116,24 @@ py::array face_areas(const geometry::Mesh& mesh) {
   return copied(std::span<const double>(areas));
 }
 
+/// A finger that was simulated is in the world. A body that scatters may be anywhere.
+py::array of_body(const py::object& self, const py::array& points) {
+  return py::isinstance<SimulateObject>(self) ? in_world(points) : points;
+}
+
 /// Members that a ScatterObject and a SimulateObject have in common: their results have the same names.
 template <typename Object>
 void add_body(py::class_<Object, std::shared_ptr<Object>>& made) {
   made.def_property_readonly(
-          "vertices", [](const py::object& self) { return shown(self.cast<Object&>().result.body.positions, self); },
+          "vertices",
+          [](const py::object& self) { return of_body(self, shown(self.cast<Object&>().result.body.positions, self)); },
           "ndarray of float64, shape (n, 3): of the body, welded, metres; read-only, not copied.")
       .def_property_readonly(
           "faces", [](const py::object& self) { return shown(self.cast<Object&>().result.body.triangles, self); },
           "ndarray of uint32, shape (m, 3): in the order given; read-only, not copied.")
       .def_property_readonly(
-          "centroids", [](const Object& o) { return face_places(o.result.body); },
+          "centroids",
+          [](const py::object& self) { return of_body(self, face_places(self.cast<Object&>().result.body)); },
           "ndarray of float64, shape (m, 3): of the faces, metres.")
       .def_property_readonly(
           "areas", [](const Object& o) { return face_areas(o.result.body); },

@@ -227,6 +227,7 @@ std::shared_ptr<DriveObject> drive_of_touch(const LayoutPtr& self, const py::obj
     task.touch = "touch";
     task.touch_json = to_json(touch.cast<const TouchObject&>().values);
   } else if (const std::optional<std::string> file = path_of(touch)) {
+    if (file->starts_with('{')) throw bad_usage("touch: this text is no path: give the Touch, or a file with the text");
     task.touch = *file;
   } else {
     throw bad_usage("touch: give a Touch, or the path of a file that Touch.json() or palpa touch --json wrote");

@@ -81,7 +81,7 @@ LayoutObject make_layout(const py::object& source, const py::object& name, const
     throw bad_usage(fmt::format("axes: there are {} for {} positions", axes.size(), positions.size()));
   array::Layout made;
   if (!name.is_none() && !py::isinstance<py::str>(name)) throw bad_usage("name: give a text");
-  made.name = name.is_none() ? "of arrays" : bytes_of("name", name);
+  made.name = name.is_none() ? "arrays" : bytes_of("name", name);
   made.default_T_world_layout = pose.is_none() ? array::below_facing_up() : transform_of("pose", pose);
   const auto read = [](const char* what, const py::object& given, double& value) {
     if (given.is_none()) return;

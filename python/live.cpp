@@ -4,11 +4,14 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 #include <set>
 
 #include "arrays.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "base/start_thread.hpp"
 #include "driver/links.hpp"
@@ -20,6 +23,7 @@
 #include "session_object.hpp"
 #include "setup/load.hpp"
 #include "setup/session_setting.hpp"
+#include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/touch.hpp"
 #include "setup/touch_input.hpp"
 #include "setup/warnings.hpp"
@@ -432,6 +436,11 @@ void set_pose(SessionObject& o, const py::object& solid, const py::object& pose)
 void set_aim(SessionObject& o, const py::object& offset) {
   refuse_fork();
   const Vec3 by = point_of("offset", offset);
+  if (glm::any(glm::greaterThan(glm::abs(by), Vec3(setup::farthest_nudge_m)))) {
+    log::warning(fmt::format("offset: {:g}, {:g}, {:g} m is far: foci sound that far from the skin; more than {:g} m "
+                             "along an axis is no nudge of a rig",
+                             by.x, by.y, by.z, setup::farthest_nudge_m));
+  }
   if (!o.live()) {
     const Turn turn(o);
     return o.session->set_aim(by);

@@ -63,6 +63,7 @@ std::string text_of(const std::string& name, py::handle value) {
   if (py::isinstance<LayoutObject>(value)) return value.cast<const LayoutObject&>().option();
   if (py::hasattr(value, "source")) return text_of(name, value.attr("source"));  // of a Scene
   if (const std::optional<std::string> path = path_of(value)) return *path;
+  if (PyCallable_Check(value.ptr())) throw not_a_value(name, "a text: no function is taken here");
   throw not_a_value(name, "a number, a text or a path");
 }
 

@@ -60,6 +60,18 @@ std::size_t utf8_length(std::string_view text) {
   return length;
 }
 
+std::uint64_t line_that_is_not_utf8(std::string_view text) {
+  std::uint64_t line = 1;
+  while (!text.empty()) {
+    const auto c = static_cast<unsigned char>(text.front());
+    const std::size_t length = c < 0x80 ? 1 : utf8_length(text);
+    if (length == 0) return line;
+    if (c == '\n') ++line;
+    text.remove_prefix(length);
+  }
+  return 0;
+}
+
 std::string printable(std::string_view text, std::size_t most) {
   std::string shown;
   while (!text.empty()) {

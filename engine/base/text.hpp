@@ -11,6 +11,8 @@ namespace palpa {
 
 /// Length of the well-formed UTF-8 character at the front of `text`, 0 if there is none.
 std::size_t utf8_length(std::string_view text);
+/// The first line, from 1, with bytes that are not UTF-8; 0 if there is none.
+std::uint64_t line_that_is_not_utf8(std::string_view text);
 
 /// `text` with invisible and controlling characters escaped: control characters as \n or \x1b, characters that change
 /// the writing direction or break lines as \u202e, bytes that are not UTF-8 as \xff. If the result exceeds `most`

@@ -160,19 +160,6 @@ std::optional<Second> find_first(std::string_view text, std::uint32_t second_lin
   return std::nullopt;
 }
 
-/// 0 if there is none.
-std::uint64_t line_that_is_not_utf8(std::string_view text) {
-  std::uint64_t line = 1;
-  while (!text.empty()) {
-    const auto c = static_cast<unsigned char>(text.front());
-    const std::size_t length = c < 0x80 ? 1 : utf8_length(text);
-    if (length == 0) return line;
-    if (c == '\n') ++line;
-    text.remove_prefix(length);
-  }
-  return 0;
-}
-
 }  // namespace
 
 TomlTable TomlTable::load(const std::filesystem::path& file, std::string_view what, const TomlLimits& limits) {

@@ -243,6 +243,7 @@ TEST(Scatter, WhatIsNoBodyOrNoSoundIsRefused) {
       {ply_of("swapped", swapped), upwards, 4, "opposite orientation"},
       {ply_of("points", {sphere.positions, {}}), upwards, 4, "has no faces"},
       {ply_of("coarse", box(Vec3(-0.01), Vec3(0.01))), upwards, 4, "too coarse"},
+      {ply_of("millimetres", box(Vec3(-10), Vec3(10))), upwards, 4, "see whether its vertices are in metres"},
       {ply_of("within", within), upwards, 4, "a piece within another"},
       {ply_of("hollow", hollow), upwards, 4, "a piece within another"},
       {good, {}, 2, "nothing sounds"},

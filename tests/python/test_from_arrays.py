@@ -74,6 +74,7 @@ def test_pickles(cube, finger, openmpd, sphere, tmp_path):
     scattering = palpa.scatter(tmp_path / "sphere.ply", plane_wave=(0, 0, 1), where=[[0, 0, -0.05]])
     exported = palpa.export("assets/cube.glb", palpa.Recording("assets/depth/take"), backend="cpu")
     simulated = palpa.simulate(cube, tmp_path / "sphere.ply", penetration=1e-3, layout="openmpd", backend="cpu")
+    assert simulated.centroids.of == simulated.vertices.of == "world" and type(scattering.centroids) is np.ndarray
     results = [touch, drive, field, scattering, exported, simulated]
     for one in results:
         data = pickle.dumps(one)

@@ -53,6 +53,15 @@ def test_an_object_without_a_value_has_no_members(cls):
     gc.collect()
 
 
+def test_functions_and_texts_where_none_are_taken(cube, openmpd):
+    for call in (lambda: palpa.export(cube, palpa.Recording("assets/depth/take"), solver=len), lambda: palpa.simulate(cube, "assets/finger.ply", method=len)):
+        with pytest.raises(palpa.BadUsage, match="no function is taken here"):
+            call()
+    with pytest.raises(palpa.BadUsage, match="is no path") as caught:
+        openmpd.solve_touch('{"fingers": []}' + 10000 * " ")
+    assert len(str(caught.value)) < 200
+
+
 def test_the_class_of_all_classes_makes_nothing():
     base = palpa.Layout.__mro__[-2]
     with pytest.raises(TypeError, match="cannot be made"):

@@ -3,6 +3,7 @@ import gc
 import subprocess
 import sys
 import threading
+import warnings
 import weakref
 
 import numpy as np
@@ -230,6 +231,15 @@ def test_false_ends_a_run(cube, truth):
         return truth(len(seen) < 3)
 
     assert live(cube).run(on_frame=on_frame).frames >= 3 and 3 <= len(seen) <= 5
+
+
+def test_a_far_aim_is_warned_of(cube):
+    for session in (palpa.Session(cube, backend="cpu"), live(cube)):
+        with pytest.warns(palpa.PalpaWarning, match="offset: 5, 0, 0 m is far"):
+            session.set_aim([5, 0, 0])
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            session.set_aim([0, 0.05, 0])
 
 
 def test_from_other_threads(cube):

@@ -59,8 +59,9 @@ TEST(SoundWatch, ABoardThatTakesNothingMaySound) {
   watch.sent(false, carried, begin + 11s);
   EXPECT_FALSE(watch.stuck(begin + 11s));
   SoundWatch quiet;
-  carried.out_of_reach = true;
-  quiet.sent(false, carried, begin);
+  Carried none;
+  none.out_of_reach = true;
+  quiet.sent(false, none, begin);
   EXPECT_FALSE(quiet.stuck(begin)) << "nothing has sounded";
 }
 

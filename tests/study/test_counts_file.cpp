@@ -51,6 +51,9 @@ TEST(CountsFile, ALastLineWithoutEndIsReported) {
   const CountsFile file = parse_counts("x,a,b\na,1,2\nb,0,1", "a.csv");
   EXPECT_EQ(file.table.total(), 4u);
   EXPECT_EQ(file.warning, "a.csv: line 3 has no end: check that the file is complete");
+  EXPECT_EQ(parse_counts("x,W\xfcrfel,b\nW\xfcrfel,1,2\nb,3,4\n", "a.csv").warning,
+            "a.csv: line 1 has bytes that are not UTF-8: save the table as UTF-8");
+  EXPECT_EQ(parse_counts("x,W\xc3\xbcrfel,b\nW\xc3\xbcrfel,1,2\nb,3,4\n", "a.csv").warning, "");
 }
 
 }  // namespace

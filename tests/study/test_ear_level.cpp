@@ -115,7 +115,8 @@ TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
 
 /// An object nearer to the ears is felt nearer to them, and the array's sound goes more towards them.
 TEST(EarLevel, FollowsTheObjects) {
-  const StudyPlan plan = plan_on("openmpd");
+  StudyPlan plan = plan_on("openmpd");
+  plan.level.ears = {Vec3(-0.08, 0.3, 0.65), Vec3(0.08, 0.3, 0.65)};
   const Vec3 way(0, 0.06, 0.06);
   const Box moved{cube.low + way, cube.high + way};
   const EarLevel own = level_of(plan), far = level_of(plan, moved);

@@ -337,6 +337,12 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
   EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
 }
 
+TEST_F(RecordTest, OneFileIsOneFile) {
+  fs::create_directory(folder_ / "sub-01");
+  test::write_text(file("kept.txt"), "");
+  EXPECT_CONTAINS(fault_of(1), "but there is 1 file of participant 1 in");
+}
+
 TEST_F(RecordTest, AJournalThatIsGoneIsNotWrittenOn) {
   Record record(plan_, 1, folder_, true);
   const Entry start{.text = utc_now(), .version = "v", .rehearsal = true};

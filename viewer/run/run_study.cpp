@@ -14,6 +14,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "setup/ending.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/load.hpp"
@@ -167,9 +168,9 @@ void report(const setup::StudyRunOptions& options, const Outputs& outputs, const
     write_file(options.common.json, json.take());
   }
   if (!setup::shows_summary(options.common, outputs)) return;
-  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {} starts; see {}{}\n",
+  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n",
                               *options.participant, agenda.complete(), agenda.steps().size(), agenda.voided(),
-                              agenda.starts(), conductor.record().folder().beh().string(),
+                              counted(agenda.starts(), "start"), conductor.record().folder().beh().string(),
                               agenda.finished() ? "" : "; the same command continues"));
 }
 

@@ -231,6 +231,9 @@ void warn_of_bends(const std::string& file, const Mesh& body) {
       file, bend / degree, least_bend / degree));
 }
 
+/// Of a body that a person can touch; longer ones are probably in millimetres.
+constexpr double unlikely_side_m = 0.1;
+
 void check_fineness(const std::string& file, const Mesh& body, double wavelength_m, bool force) {
   const double side = mean_side(body), longest = long_side(body);
   if (side <= wavelength_m / fine_sides && longest <= wavelength_m / fine_long_sides) return;
@@ -245,8 +248,10 @@ void check_fineness(const std::string& file, const Mesh& body, double wavelength
                                        side * 1e3, wavelength_m * 1e3);
   if (side > wavelength_m / coarse_sides && !force) {
     throw bad_input(
-        file, fmt::format("too coarse: {}; below {:.2f} mm, results are meaningful; --force computes them anyway", what,
-                          wavelength_m / coarse_sides * 1e3));
+        file,
+        fmt::format("too coarse: {}; below {:.2f} mm, results are meaningful; {}--force computes them anyway", what,
+                    wavelength_m / coarse_sides * 1e3,
+                    side > unlikely_side_m ? "see whether its vertices are in metres; " : ""));
   }
   log::warning(fmt::format("{}: coarse: {}; below {:.2f} mm, errors are a few percent or less", file, what,
                            wavelength_m / fine_sides * 1e3));

@@ -105,6 +105,8 @@ CountsFile parse_counts(std::string_view text, const std::string& name) {
     throw bad_input(name, fmt::format("has no line of the shape '{}'", printable(table.shapes[shape], 40)));
   }
   if (table.total() == 0) throw bad_input(name, "all counts are 0");
+  if (const std::uint64_t line = line_that_is_not_utf8(text); line != 0 && file.warning.empty())
+    file.warning = fmt::format("{}: line {} has bytes that are not UTF-8: save the table as UTF-8", name, line);
   return file;
 }
 

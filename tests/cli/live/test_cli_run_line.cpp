@@ -28,7 +28,7 @@ TEST(RunLine, SaysWhatHappens) {
   EXPECT_EQ(run_line(state, 100),
             "silent on openmpd:A | 1 finger, 1.4 mm deep | 45 of 90 frames, 90/s, 4.2 ms | Ctrl-C stops");
   state.stuck = true;
-  EXPECT_CONTAINS(run_line(state, 100), "MAY SOUND on openmpd:A, which takes no drives | 1 finger");
+  EXPECT_CONTAINS(run_line(state, 140), "MAY SOUND on openmpd:A, which takes no drives | 1 finger");
   state.stuck = false;
   state.fingers = 0;
   state.rate_hz = 0;

@@ -92,8 +92,8 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
   std::filesystem::create_directories(folder_ / "withdrawn/sub-02");
   write_text(folder_ / "level.toml",
-             "[[shape]]\nname = \"a\"\nmodel = \"level.toml\"\n[[shape]]\nname = \"b\"\n"
-             "model = \"level.toml\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
+             "[[shape]]\nname = \"a\"\nmodel = \"palpa:cube.glb\"\n[[shape]]\nname = \"b\"\n"
+             "model = \"palpa:prism.glb\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
              "[level]\nceiling = 0.05\n");
   write_small_plan(folder_ / "study-plan.toml", scene, source_file("assets/prism.glb"));
   lines_ = {
