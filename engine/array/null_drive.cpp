@@ -55,6 +55,9 @@ std::size_t choose_rows(const Nulls& nulls, const FocusMatrix& matrix, Constrain
     rest = std::min(rest * looser, null_loosest_rest);
     rows = nulls.rows_to(rest);
   }
+  const std::size_t centres = nulls.rows_to(1);  // and places alone
+  while (rows > centres && without_rows(matrix, rows, scratch) < null_keeps)
+    --rows;
   return rows;
 }
 
@@ -98,6 +101,23 @@ void find_weights(const Columns& columns, std::span<const double> gains, std::sp
   scratch.targets.assign(gains.begin(), gains.end());
 }
 
+/// The pressure of the weakest focus, relative to its target.
+double weakest_of(std::span<const Complex> sums, NullScratch& scratch) {
+  scratch.sums.reset(1, sums.size());
+  for (std::size_t n = 0; n < sums.size(); ++n) {
+    scratch.sums.re[n] = sums[n].real();
+    scratch.sums.im[n] = sums[n].imag();
+  }
+  double weakest = 0;
+  bool first = true;
+  for (std::size_t j = 0; j < scratch.targets.size(); ++j) {
+    if (!(scratch.targets[j] > 0)) continue;
+    const double loud = magnitude(product(scratch.sounds, j, scratch.sums, 0)) / scratch.targets[j];
+    weakest = std::exchange(first, false) ? loud : std::min(weakest, loud);
+  }
+  return weakest;
+}
+
 /// Brings the sums within the constraint, as loud as gs_pat would.
 void bound(Constraint constraint, std::span<Complex> sums) {
   double scale = 1;
@@ -128,6 +148,7 @@ void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci) {
   scratch.matrix.re.reserve(foci * foci);
   scratch.matrix.im.reserve(foci * foci);
   scratch.targets.reserve(foci);
+  scratch.other.reserve(stride);
   SilentScratch& silent = scratch.silent;
   for (PhasedSounds* sounds : {&silent.now, &silent.tried, &silent.kept}) {
     const std::size_t most = sounds == &silent.kept ? std::min(all, silent_raised_rows) : all;
@@ -171,20 +192,25 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   }
   for (std::size_t n = 0; n < sums.size(); ++n)
     sums[n] = scratch.sums.at(0, n);
-  if (constraint != Constraint::normalise) {
-    bound(constraint, sums);
-    silent_phases({scratch.sounds, scratch.targets, nulls.rows(), rows, nulls.loudness()}, sums, scratch.silent);
-  }
   double weakest = 0;
-  for (std::size_t n = 0; n < sums.size(); ++n) {
-    scratch.sums.re[n] = sums[n].real();
-    scratch.sums.im[n] = sums[n].imag();
-  }
-  bool first = true;
-  for (std::size_t j = 0; j < columns.foci; ++j) {
-    if (!(scratch.targets[j] > 0)) continue;
-    const double loud = magnitude(product(scratch.sounds, j, scratch.sums, 0)) / scratch.targets[j];
-    weakest = std::exchange(first, false) ? loud : std::min(weakest, loud);
+  if (constraint == Constraint::normalise) {
+    weakest = weakest_of(sums, scratch);
+  } else {
+    const SilentGoal goal{scratch.sounds, scratch.targets, nulls.rows(), rows, nulls.loudness()};
+    scratch.other.assign(sums.begin(), sums.end());
+    bound(constraint, sums);
+    const double before = weakest_of(sums, scratch);
+    const Silenced silenced = silent_phases(goal, sums, scratch.silent);
+    weakest = weakest_of(sums, scratch);
+    if (constraint == Constraint::clamp && weakest < null_clamp_keeps * before) {
+      bound(Constraint::uniform, scratch.other);
+      const double depth = silent_phases(goal, scratch.other, scratch.silent).depth;
+      const double loud = weakest_of(scratch.other, scratch);
+      if (loud > weakest && depth <= std::max(silent_depth, silenced.depth)) {
+        std::ranges::copy(scratch.other, sums.begin());
+        weakest = loud;
+      }
+    }
   }
   choose_common_phase(nulls.centres(), weakest, sums, scratch.rounding);
   return largest;

@@ -9,7 +9,13 @@
 // common_phase.hpp turns the whole drive to where boards round it best.
 //
 // Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_usual_rest, and larger, up
-// to null_loosest_rest, while some focus would keep less than null_keeps of its power: R'_jj < null_keeps R_jj.
+// to null_loosest_rest, while some focus would keep less than null_keeps of its power, R'_jj < null_keeps R_jj (under
+// `uniform` null_keeps_uniform). If one then still keeps less than null_keeps, further rows are left out one by one,
+// but never centres.
+//
+// Under `clamp`, silencing may cost half of the loudness, because the drive is far from even amplitudes. If the weakest
+// focus keeps less than null_clamp_keeps of its pressure, the same phases at full amplitude are silenced, too, and the
+// louder drive is taken.
 #pragma once
 
 #include <complex>
@@ -29,6 +35,7 @@ namespace palpa::array {
 
 inline constexpr double null_usual_rest = 3e-3;
 inline constexpr double null_keeps = 0.25, null_keeps_uniform = 0.5;
+inline constexpr double null_clamp_keeps = 0.75;
 
 /// Keeps its storage from call to call.
 struct NullScratch {
@@ -37,6 +44,7 @@ struct NullScratch {
   FocusMatrix matrix;                               ///< R'
   std::vector<double> targets;
   SplitRows sums;
+  std::vector<std::complex<double>> other;  ///< another drive, from an even start
   SilentScratch silent;
   RoundingScratch rounding;
   PeakScratch peaks;

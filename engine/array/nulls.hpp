@@ -37,7 +37,7 @@ inline constexpr double most_null_radius_m = 5e-3;
 /// `paper`.
 inline constexpr std::size_t most_null_rows = 320, most_null_entries = 5u << 18;
 inline constexpr double null_deepest_rest = 1e-4;  ///< the smallest rest of a row
-inline constexpr double null_loosest_rest = 1e-2;  ///< rows up to this one are never left out
+inline constexpr double null_loosest_rest = 1e-2;  ///< rows above it are left out last (null_drive.hpp)
 
 class Nulls {
  public:

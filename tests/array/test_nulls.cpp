@@ -196,6 +196,45 @@ TEST(Nulls, ABallIsSilentAsAWhole) {
   }
 }
 
+/// How much quieter the weakest focus is than without nulls.
+double loss_db(const Layout& layout, const Places& places, Constraint constraint) {
+  const auto weakest = [&](const std::vector<Null>& nulls) {
+    return hear(layout, complex_of(drive_of(layout, places, nulls, constraint)), places).weakest;
+  };
+  return decibels(weakest({}) / weakest(places.nulls));
+}
+
+// More silence than the array can give between foci would silence them, too: wide balls are less silent instead.
+TEST(Nulls, WideBallsBetweenFociLeaveThemLoud) {
+  const Layout layout = load_layout("openmpd");
+  Places places = checkerboard({0, 0, 0.15}, {0, 1, 0}, {1, 0, 0}, 10e-3);
+  for (Null& null : places.nulls)
+    null.radius_m = 1e-3;
+  std::mt19937 random(10);
+  for (const Constraint constraint : constraints) {
+    const Heard heard = hear(layout, complex_of(drive_of(layout, places, places.nulls, constraint)), places);
+    EXPECT_LE(decibels(heard.strongest / heard.weakest), 0.1);
+    EXPECT_LE(loss_db(layout, places, constraint), 7);
+    EXPECT_LE(ball_depth_db(layout, places, options_for(layout, places.nulls, constraint), random), -18);
+  }
+}
+
+// These lose half of their loudness where `clamp` begins with its own amplitudes.
+TEST(Nulls, ClampIsHardlyQuieterThanUniform) {
+  const Layout layout = load_layout("paper");
+  const Places places{{{{-0.00568, 0.00427, 0.01190}},
+                       {{0.01120, -0.00646, 0.01227}},
+                       {{0.00005, -0.00564, 0.00360}},
+                       {{0.01693, -0.01637, 0.00398}}},
+                      {{{0.00276, -0.00109, 0.01209}},
+                       {{0.01963, -0.01183, 0.01246}},
+                       {{-0.00838, -0.00027, 0.00342}},
+                       {{0.00849, -0.01101, 0.00379}}}};
+  const Heard heard = hear(layout, complex_of(drive_of(layout, places, places.nulls, Constraint::clamp)), places);
+  EXPECT_LE(heard.depth_db(), -90);
+  EXPECT_LE(loss_db(layout, places, Constraint::clamp), 3);
+}
+
 // Sound from all around has more details in a ball than that of a board: these two have 168 rows.
 TEST(Nulls, ABallMayBeAsWideAsAWavelength) {
   const Layout layout = load_layout("paper");

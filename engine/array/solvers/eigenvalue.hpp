@@ -3,7 +3,8 @@
 // After Long et al., "Rendering volumetric haptic shapes in mid-air using ultrasound", ACM Trans. Graph. 33(6) 2014.
 //
 //   M_jk = t_k R_jk / R_kk   what is heard at focus j if focus k is driven alone until it is as loud as wanted
-//   v                        the eigenvector of M with the largest eigenvalue, by repeated products
+//   v                        the eigenvector of M with the largest eigenvalue, by repeated products; if the second
+//                            eigenvalue is within 1 % of it, the products end before they reach it
 //   b_j = t_j v_j / |v_j|    (R / mean R_jj + ridge) c = b
 //
 // R, c and t are those of gs_pat.hpp. The ridge is Tikhonov's: foci that the array does not resolve would otherwise ask
@@ -31,8 +32,8 @@ struct EigenvalueScratch {
   std::vector<std::complex<double>> vector, next, system;
 };
 
-/// Fills `factors`, one per focus. `gains` are relative to the largest, 0..1. The eigenvector begins with phases as if
-/// the sound came from the first transducer. At most most_solved_foci foci.
+/// Fills `factors`, one per focus. `gains` are relative to the largest, 0..1. The eigenvector begins with the phases
+/// of a sound that converges on the first transducer. At most most_solved_foci foci.
 void eigenvalue_factors(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains,
                         std::span<std::complex<double>> factors, EigenvalueScratch& scratch);
 

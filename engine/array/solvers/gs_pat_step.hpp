@@ -13,9 +13,9 @@ namespace palpa::array {
 /// The share of full loudness that each focus may claim.
 void find_claims(const FocusMatrix& matrix, std::vector<double>& claims);
 
-/// Fills `factors`: the phases are those of the sound of the transducers of start number `start`, the weights are as if
-/// each focus sounded alone. The first start uses the first transducer. Each of the others uses gs_pat_sounds
-/// transducers from all over the layout, and no two starts use the same ones.
+/// Fills `factors`: the phases are those of a sound that converges on the transducers of start number `start`, the
+/// weights are as if each focus sounded alone. The first start uses the first transducer. Each of the others uses
+/// gs_pat_sounds transducers from all over the layout, and no two starts use the same ones.
 void gs_pat_start(const FocusMatrix& matrix, const Columns& columns, std::uint32_t start,
                   std::span<const double> claims, std::span<std::complex<double>> factors);
 

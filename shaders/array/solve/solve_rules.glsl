@@ -1,6 +1,6 @@
 // The rules of gs_pat.hpp.
 
-// The phase of a focus' drive as if the sound came from the first transducer.
+// The phase of a focus in a sound that converges on the first transducer.
 vec2 first_phase(uint focus) {
   const Pair first = pair_of(source_of(0u), place_of(focus));
   return vec2(first.unit.x, -first.unit.y);
