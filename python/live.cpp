@@ -437,9 +437,10 @@ void set_aim(SessionObject& o, const py::object& offset) {
   refuse_fork();
   const Vec3 by = point_of("offset", offset);
   if (glm::any(glm::greaterThan(glm::abs(by), Vec3(setup::farthest_nudge_m)))) {
-    log::warning(fmt::format("offset: {:g}, {:g}, {:g} m is far: foci sound that far from the skin; more than {:g} m "
-                             "along an axis is no nudge of a rig",
-                             by.x, by.y, by.z, setup::farthest_nudge_m));
+    log::warning(
+        fmt::format("offset: {:g}, {:g}, {:g} m is far: foci sound that far from the skin; more than {:g} m "
+                    "along an axis is no nudge of a rig",
+                    by.x, by.y, by.z, setup::farthest_nudge_m));
   }
   if (!o.live()) {
     const Turn turn(o);

@@ -116,7 +116,8 @@ TEST_F(StudyFolder, ALogThatCannotBeReadIsLeftOut) {
   write_events(log, std::string(17 << 20, ' '));
   EXPECT_CONTAINS(left_out(), "has 17825792 bytes, at most 16777216 are expected; the log is left out");
   write_events(log, test::events_header);
-  EXPECT_CONTAINS(left_out(), "sub-2: has no row of a block 'trial', so it has no answered trial; the participant is left out");
+  EXPECT_CONTAINS(left_out(),
+                  "sub-2: has no row of a block 'trial', so it has no answered trial; the participant is left out");
   std::filesystem::remove_all(folder_ / "sub-2" / "beh");
   EXPECT_CONTAINS(left_out(), "there is no such folder; the participant is left out");
   std::filesystem::create_directory(folder_ / "sub-2" / "beh");

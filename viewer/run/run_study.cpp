@@ -168,8 +168,8 @@ void report(const setup::StudyRunOptions& options, const Outputs& outputs, const
     write_file(options.common.json, json.take());
   }
   if (!setup::shows_summary(options.common, outputs)) return;
-  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n",
-                              *options.participant, agenda.complete(), agenda.steps().size(), agenda.voided(),
+  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n", *options.participant,
+                              agenda.complete(), agenda.steps().size(), agenda.voided(),
                               counted(agenda.starts(), "start"), conductor.record().folder().beh().string(),
                               agenda.finished() ? "" : "; the same command continues"));
 }

@@ -248,10 +248,9 @@ void check_fineness(const std::string& file, const Mesh& body, double wavelength
                                        side * 1e3, wavelength_m * 1e3);
   if (side > wavelength_m / coarse_sides && !force) {
     throw bad_input(
-        file,
-        fmt::format("too coarse: {}; below {:.2f} mm, results are meaningful; {}--force computes them anyway", what,
-                    wavelength_m / coarse_sides * 1e3,
-                    side > unlikely_side_m ? "see whether its vertices are in metres; " : ""));
+        file, fmt::format("too coarse: {}; below {:.2f} mm, results are meaningful; {}--force computes them anyway",
+                          what, wavelength_m / coarse_sides * 1e3,
+                          side > unlikely_side_m ? "see whether its vertices are in metres; " : ""));
   }
   log::warning(fmt::format("{}: coarse: {}; below {:.2f} mm, errors are a few percent or less", file, what,
                            wavelength_m / fine_sides * 1e3));

@@ -190,12 +190,12 @@ void Record::refuse_lost_journal() const {
   std::erase(files, journal.filename().string());
   if (files.empty()) return;
   const auto log = std::ranges::find_if(files, [](const std::string& file) { return file.ends_with(end_of_log); });
-  throw bad_input(journal.string(),
-                  fmt::format("{}, but there {} {} of participant {} in {}, such as {}: restore the journal, or give "
-                              "this participant another number; nothing was changed",
-                              there ? "is empty" : "is missing", files.size() == 1 ? "is" : "are",
-                              counted(files.size(), "file"), folder_.number, folder_.path.string(),
-                              log != files.end() ? *log : files.front()));
+  throw bad_input(
+      journal.string(),
+      fmt::format("{}, but there {} {} of participant {} in {}, such as {}: restore the journal, or give "
+                  "this participant another number; nothing was changed",
+                  there ? "is empty" : "is missing", files.size() == 1 ? "is" : "are", counted(files.size(), "file"),
+                  folder_.number, folder_.path.string(), log != files.end() ? *log : files.front()));
 }
 
 /// Files that the journal does not know would be replaced, or be taken for those of a later run.
