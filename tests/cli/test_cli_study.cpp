@@ -202,11 +202,11 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   write_tetrahedron(folder_ / "corners.bin");
   write_scene(folder_ / "plain.gltf", "corners.bin");
   const auto with_node = [&](const std::string& keys, const std::string& at) {
-    std::string text = read_text(folder_ / "plain.gltf");
+    std::string model = read_text(folder_ / "plain.gltf");
     const std::string node = "{\"mesh\":0}";
-    text.replace(text.find(node), node.size(),
+    model.replace(model.find(node), node.size(),
                  "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"translation\":" + at + keys + "}");
-    write_text(folder_ / "model.gltf", text);
+    write_text(folder_ / "model.gltf", model);
     write_plan("ceiling = 0.05\nlimit_db = 120\n", "model.gltf");
     return result_of({"study", "level", path("plan.toml")})["level_db"].get<double>();
   };
