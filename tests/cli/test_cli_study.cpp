@@ -147,7 +147,9 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   EXPECT_CONTAINS(palpa_here(line).out, "measured: 98.0 dB at the ceiling 0.025, so 104.0 dB at 0.05; this counts");
   EXPECT_EQ(palpa_here(line).err, "");
   write_plan("palpa:semi-sphere.glb", at_120_db + "measured_db = 40\nmeasured_ceiling = 0.05\n");
-  expect_failure(palpa_here(with(line, {"--json", "-"})), 2, "it is not of this sound");
+  const Result deaf = palpa_here(line);
+  EXPECT_EQ(deaf.exit_code, 2);
+  EXPECT_CONTAINS(deaf.err, "it is not of this sound");
   write_plan("palpa:semi-sphere.glb", at_120_db + "measured_db = 87\nmeasured_ceiling = 0.05\n");
   EXPECT_CONTAINS(palpa_here(line).err, "does not hear 40 kHz");
   write_plan("palpa:semi-sphere.glb", limit + "100\nmeasured_db = 98\nmeasured_ceiling = 0.025\n");
@@ -156,14 +158,25 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   // several foci count. One elsewhere is felt there.
   write_tetrahedron(folder_ / "corners.bin");
   write_scene(folder_ / "plain.gltf", "corners.bin");
-  const auto with_node = [&](const std::string& keys, const std::string& at, const std::string& ears = "") {
+<<<<<<< HEAD
+  const auto with_node = [&](const std::string& keys, const std::string& at) {
     std::string text = read_text(folder_ / "plain.gltf");
+=======
+  const auto with_node = [&](const std::string& keys, const std::string& at) {
+    std::string model = read_text(folder_ / "plain.gltf");
+>>>>>>> mend-54
     const std::string node = "{\"mesh\":0}";
-    text.replace(text.find(node), node.size(),
+    model.replace(model.find(node), node.size(),
                  "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"translation\":" + at + keys + "}");
+<<<<<<< HEAD
     write_text(folder_ / "model.gltf", text);
-    write_plan("model.gltf", at_120_db + ears);
+    write_plan("model.gltf", at_120_db);
     return result_of(line)["level_db"].get<double>();
+=======
+    write_text(folder_ / "model.gltf", model);
+    write_plan("ceiling = 0.05\nlimit_db = 120\n", "model.gltf");
+    return result_of({"study", "level", path("plan.toml")})["level_db"].get<double>();
+>>>>>>> mend-54
   };
   const std::string in_cube = "[0,-0.02,0]";
   EXPECT_NEAR(with_node("", in_cube), predicted["level_db"].get<double>(), 1e-9);
@@ -172,8 +185,7 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
               predicted["level_db"].get<double>() + 2);
     EXPECT_CONTAINS(palpa_here(line).out, "with equal amplitudes");
   }
-  const std::string ears = "left_ear_mm = [-80, 300, 650]\nright_ear_mm = [80, 300, 650]\n";
-  EXPECT_GT(with_node("", "[0,0.04,0.06]", ears), with_node("", in_cube, ears) + 1);
+  EXPECT_GT(std::abs(with_node("", "[0,0.04,0.06]") - predicted["level_db"].get<double>()), 0.3);
 }
 
 /// What a plan names is read before people come.
