@@ -158,25 +158,14 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   // several foci count. One elsewhere is felt there.
   write_tetrahedron(folder_ / "corners.bin");
   write_scene(folder_ / "plain.gltf", "corners.bin");
-<<<<<<< HEAD
-  const auto with_node = [&](const std::string& keys, const std::string& at) {
-    std::string text = read_text(folder_ / "plain.gltf");
-=======
   const auto with_node = [&](const std::string& keys, const std::string& at) {
     std::string model = read_text(folder_ / "plain.gltf");
->>>>>>> mend-54
     const std::string node = "{\"mesh\":0}";
     model.replace(model.find(node), node.size(),
-                 "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"translation\":" + at + keys + "}");
-<<<<<<< HEAD
-    write_text(folder_ / "model.gltf", text);
+                  "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"translation\":" + at + keys + "}");
+    write_text(folder_ / "model.gltf", model);
     write_plan("model.gltf", at_120_db);
     return result_of(line)["level_db"].get<double>();
-=======
-    write_text(folder_ / "model.gltf", model);
-    write_plan("ceiling = 0.05\nlimit_db = 120\n", "model.gltf");
-    return result_of({"study", "level", path("plan.toml")})["level_db"].get<double>();
->>>>>>> mend-54
   };
   const std::string in_cube = "[0,-0.02,0]";
   EXPECT_NEAR(with_node("", in_cube), predicted["level_db"].get<double>(), 1e-9);

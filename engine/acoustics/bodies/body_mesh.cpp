@@ -231,7 +231,7 @@ void warn_of_bends(const std::string& file, const Mesh& body) {
       file, bend / degree, least_bend / degree));
 }
 
-/// Of a body that a person can touch; longer ones are probably in millimetres.
+/// The longest side of a likely body; longer ones are probably in millimetres.
 constexpr double unlikely_side_m = 0.1;
 
 void check_fineness(const std::string& file, const Mesh& body, double wavelength_m, bool force) {
