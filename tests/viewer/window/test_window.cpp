@@ -46,7 +46,9 @@ constexpr auto a_while = instrumented() ? 400ms : 250ms;
 /// A viewer on the server, until it is closed.
 class Window : public ScreenTest {
  protected:
-  Result run(const Line& words) const { return run_program(PALPA_VIEWER_BINARY, words, {on_screen()}); }
+  Result run(const Line& words, const std::string& config = "/dev/null") const {
+    return run_program(PALPA_VIEWER_BINARY, words, {on_screen(config)});
+  }
   /// Opens it and waits for its window, which has that title.
   bool opens(const Line& words, const std::string& config = "/dev/null", const std::string& scale = "1",
              const std::string& title = "palpa") {
@@ -271,7 +273,8 @@ TEST_F(Window, AScriptWithSoundIsPlayedThroughAndFilmed) {
              "drop /nowhere/broken.glb\ndraw 2\nkey tab\nkey tab\ndrag 150 200 250 220\nresize 64 64\ndraw\n"
              "resize 1 1\ndraw\nresize 640 480\nwait 0.5\nkey 3\ndrag 200 240 260 200\nkey tab\ndraw 2\nkey q\n");
   const Result result = run(with(touch_, {"--skin", ball, "--show", "heat,slice,sections", "--video", film,
-                                          "--interact", (folder_ / "log").string()}));
+                                          "--interact", (folder_ / "log").string()}),
+                            folder_.string());  // a slow one lasts until settings are written
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "") << "the layers were silent";
   bool resized = false;
