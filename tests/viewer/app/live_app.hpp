@@ -189,9 +189,13 @@ class LiveAppWithPanels : public LiveApp {
     draw();
   }
   void click(const Area& area) { click_at((area.left + area.right) / 2, (area.top + area.bottom) / 2); }
+  /// Waits for the widget: what it belongs to may still begin.
   void click(const std::string& name) {
-    const std::optional<Area> area = place_of_widget(name);
-    ASSERT_TRUE(area) << name;
+    std::optional<Area> area;
+    ASSERT_TRUE(goes_round_until([&] {
+      area = place_of_widget(name);
+      return area.has_value();
+    })) << name;
     click(*area);
   }
   /// Types a value into a field and ends it.
