@@ -35,7 +35,7 @@ double noise_at(const Vec3& place, std::uint32_t seed) {
     corner[axis] = static_cast<std::int64_t>(below);
     share[axis] = t * t * t * (t * (6 * t - 15) + 10);
   }
-  const auto [x, y, z] = corner;
+  const std::int64_t x = corner[0], y = corner[1], z = corner[2];
   const auto along_x = [&](std::int64_t dy, std::int64_t dz) {
     return mix(random_at(x, y + dy, z + dz, seed), random_at(x + 1, y + dy, z + dz, seed), share[0]);
   };

@@ -37,7 +37,7 @@ struct Products {
 [[gnu::always_inline]] inline Products multiply(const Row& a, const Row& b, std::size_t count) {
   Four rr[2]{}, ii[2]{}, ri[2]{}, ir[2]{};
   for (std::size_t n = 0; n < count; n += 8) {
-    for (int k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < 2; ++k) {
       const Four a_re = four(a.re + n + 4 * k), a_im = four(a.im + n + 4 * k);
       const Four b_re = four(b.re + n + 4 * k), b_im = four(b.im + n + 4 * k);
       rr[k] += a_re * b_re;

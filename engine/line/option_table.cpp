@@ -113,7 +113,7 @@ std::vector<std::string> words_of(const Given& given) {
   for (const auto& [name, values] : given) {
     if (values.empty()) words.push_back(name);
     for (const std::string& value : values)
-      words.push_back(name + "=" + value);
+      words.emplace_back(name).append("=").append(value);
   }
   return words;
 }

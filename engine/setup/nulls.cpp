@@ -152,7 +152,7 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
     const std::string what = fmt::format("{}: null '{}'", group.nulls_from, shortened(printable(text), 60));
     refuse_place(layout, place, what);
     if (const std::string odd = array::implausible_place(layout, {place, place}); !odd.empty())
-      throw bad_usage(what + " " + odd);
+      throw bad_usage(fmt::format("{} {}", what, odd));
   }
   options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, nulls);
 }

@@ -73,7 +73,7 @@ void read_point(TomlTable& table, Reader& reader) {
 
 void read_curve(TomlTable& table, Reader& reader) {
   const std::vector<double> numbers = table.numbers("corners_m", 0);
-  if (numbers.size() < 6 || numbers.size() % 3 != 0 || numbers.size() > 3 * 4096)
+  if (numbers.size() < 6 || numbers.size() % 3 != 0 || numbers.size() > std::size_t{3} * 4096)
     throw table.fault("corners_m", "corners_m needs x, y, z of 2 to 4096 corners");
   std::vector<Vec3> corners;
   for (std::size_t i = 0; i < numbers.size(); i += 3)

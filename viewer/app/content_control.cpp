@@ -40,7 +40,7 @@ std::string finger_mesh(const std::string& skin, const std::string& source) {
 }
 
 ContentControl::ContentControl(const ViewerOptions& options, LiveSession::Kinds kinds, std::atomic<bool>& stop,
-                               std::function<void()> wake, std::function<void()> goes_live, Content& content,
+                               const std::function<void()>& wake, std::function<void()> goes_live, Content& content,
                                Messages& messages, Staleness& stale)
     : options_(options),
       goes_live_(std::move(goes_live)),

@@ -19,8 +19,8 @@ class ContentControl {
  public:
   /// Calls `goes_live` before a touch becomes a live run. Without it, a touch cannot become one.
   ContentControl(const ViewerOptions& options, LiveSession::Kinds kinds, std::atomic<bool>& stop,
-                 std::function<void()> wake, std::function<void()> goes_live, Content& content, Messages& messages,
-                 Staleness& stale);
+                 const std::function<void()>& wake, std::function<void()> goes_live, Content& content,
+                 Messages& messages, Staleness& stale);
   /// Loads a touch, or begins the live run that the options say. Throws as the engine does.
   void begin();
 

@@ -105,7 +105,8 @@ void doubt(const std::string& file, const std::vector<std::uint8_t>& sound) {
     std::memcpy(&value, &sound[i], sizeof value);
     peak = std::max(peak, std::abs(double{value}));
   }
-  const double lasts_s = static_cast<double>(sound.size() / (sizeof(float) * channels)) / rate_hz;
+  const std::size_t samples = sound.size() / (sizeof(float) * channels);
+  const double lasts_s = static_cast<double>(samples) / rate_hz;
   if (peak < faint) {
     log::warning(fmt::format("{}: is silent, so it masks nothing: its loudest sample is {:.2g} % of full scale", file,
                              100 * peak));

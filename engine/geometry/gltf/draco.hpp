@@ -17,7 +17,7 @@ struct DracoAttribute {
   std::uint32_t id;   ///< the attribute's number in the stream
   std::size_t width;  ///< components: 3 for positions
 
-  auto operator<=>(const DracoAttribute&) const = default;
+  auto operator<=>(const DracoAttribute&) const = default;  // NOLINT(modernize-use-nullptr): of the compiler's own code
 };
 
 struct DracoMesh {

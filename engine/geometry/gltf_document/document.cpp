@@ -181,7 +181,7 @@ class DocumentReader {
     }
     if (scenes == 0) return roots();
     const Item scene = at("scenes", "scene", index);
-    const std::vector<std::uint32_t> chosen = scene.indices("nodes", "node", nodes().size());
+    std::vector<std::uint32_t> chosen = scene.indices("nodes", "node", nodes().size());
     for (const std::uint32_t n : chosen) {
       const std::uint32_t parent = nodes()[n].parent;
       if (parent != Node::none)

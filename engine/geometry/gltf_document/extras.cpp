@@ -179,18 +179,18 @@ NodeHaptics read_extras(const Item& node, UnknownKeys& unknown) {
 Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent) {
   const Haptics& v = own.values;
   const auto either = [](const auto& mine, const auto& theirs) { return mine ? mine : theirs; };
-  const Haptics h{own.touchable.value_or(parent.touchable),
-                  either(v.delta_m, parent.delta_m),
-                  either(v.dwell_s, parent.dwell_s),
-                  either(v.intensity, parent.intensity),
-                  either(v.pressure_pa, parent.pressure_pa),
-                  either(v.press_depth_m, parent.press_depth_m),
-                  either(v.foci, parent.foci),
-                  either(v.stride, parent.stride),
-                  either(v.click, parent.click),
-                  either(v.stiffness, parent.stiffness),
-                  either(v.texture, parent.texture),
-                  either(v.grain_m, parent.grain_m)};
+  Haptics h{own.touchable.value_or(parent.touchable),
+            either(v.delta_m, parent.delta_m),
+            either(v.dwell_s, parent.dwell_s),
+            either(v.intensity, parent.intensity),
+            either(v.pressure_pa, parent.pressure_pa),
+            either(v.press_depth_m, parent.press_depth_m),
+            either(v.foci, parent.foci),
+            either(v.stride, parent.stride),
+            either(v.click, parent.click),
+            either(v.stiffness, parent.stiffness),
+            either(v.texture, parent.texture),
+            either(v.grain_m, parent.grain_m)};
   if (h.foci && h.stride) {
     if (const std::string fault = stride_fault(*h.foci, *h.stride); !fault.empty()) node.fail("extras: " + fault);
   }

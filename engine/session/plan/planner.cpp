@@ -69,7 +69,7 @@ class FramePlanner : public Planner {
           array::quick_foci(setting.layout.transducers.size(), setting.drive, scheduler.slot_s());
     }
     if (drives && !device && setting.live())
-      slot_drives_.reserve(setting.layout, setting.drive, most_cycle, most_cycle * touch::max_fingers);
+      slot_drives_.reserve(setting.layout, setting.drive, most_cycle, std::size_t{most_cycle} * touch::max_fingers);
     // Frames overlap only where the device computes drives.
     flights_.resize(drive_passes_ && setting.live() ? 2 : 1);
     for (std::unique_ptr<Flight>& flight : flights_) {

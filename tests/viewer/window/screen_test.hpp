@@ -23,11 +23,12 @@ class ScreenTest : public DrawingTest {
     server_.emplace();
     if (server_->name().empty()) GTEST_SKIP() << "skipped: no Xvfb";
   }
-  /// For a program on that server. `config`: the folder with its settings. `scale`: what it enlarges everything by.
-  Environment on_screen(const std::string& config = "/dev/null", const std::string& scale = "1") const {
+  /// For a program on that server. `config`: the folder with its settings, or "" for a new one. `scale`: what it
+  /// enlarges everything by.
+  Environment on_screen(const std::string& config = "", const std::string& scale = "1") const {
     return {{"DISPLAY", server_->name()},
             {"WAYLAND_DISPLAY", ""},
-            {"XDG_CONFIG_HOME", config},
+            {"XDG_CONFIG_HOME", config.empty() ? scratch_folder("settings-on-screen").string() : config},
             {"GDK_SCALE", scale},
             where_assets_are()};
   }

@@ -46,11 +46,9 @@ constexpr auto a_while = instrumented() ? 400ms : 250ms;
 /// A viewer on the server, until it is closed.
 class Window : public ScreenTest {
  protected:
-  Result run(const Line& words, const std::string& config = "/dev/null") const {
-    return run_program(PALPA_VIEWER_BINARY, words, {on_screen(config)});
-  }
+  Result run(const Line& words) const { return run_program(PALPA_VIEWER_BINARY, words, {on_screen()}); }
   /// Opens it and waits for its window, which has that title.
-  bool opens(const Line& words, const std::string& config = "/dev/null", const std::string& scale = "1",
+  bool opens(const Line& words, const std::string& config = "", const std::string& scale = "1",
              const std::string& title = "palpa") {
     running_ = std::async(std::launch::async, [words, environment = on_screen(config, scale)] {
       return run_program(PALPA_VIEWER_BINARY, words, {environment});
@@ -82,7 +80,7 @@ class Window : public ScreenTest {
   bool opens_and_sounds() {
     const Line line = with({"--scene", cube_, "--source", "synthetic", "--layout", "autd3", "--hold", "5s"},
                            {"--size", "500x400", "--link", "foci:" + receiver_.address()});
-    if (!opens(line, "/dev/null", "1", "palpa: cube.glb, live (synthetic)")) return false;
+    if (!opens(line, "", "1", "palpa: cube.glb, live (synthetic)")) return false;
     last_ = receiver_.next();
     for (int i = 0; i < 2000 && !last_.empty() && !sounds(); ++i)
       last_ = receiver_.next();
@@ -219,7 +217,7 @@ TEST_F(Window, WhatRestsIsDrawnFinelyAndAsLargeAsGtkProgramsAre) {
   const XHand::Picture enlarged = drawn(with(scene, {"--pixel-ratio", "2"}));
   for (const auto& [wanted, scale, picture] :
        {std::tuple("auto", "1", &fine), {"never", "1", &quick}, {"always", "2", &enlarged}}) {
-    ASSERT_TRUE(opens(with(scene, {"--fine", wanted, "--no-panels"}), "/dev/null", scale)) << wanted;
+    ASSERT_TRUE(opens(with(scene, {"--fine", wanted, "--no-panels"}), "", scale)) << wanted;
     EXPECT_TRUE(comes_to([&, picture = picture] { return hand_->picture() == *picture; })) << wanted;
     std::this_thread::sleep_for(a_while);
     EXPECT_TRUE(hand_->picture() == *picture) << wanted << ", and stays";
@@ -273,8 +271,7 @@ TEST_F(Window, AScriptWithSoundIsPlayedThroughAndFilmed) {
              "drop /nowhere/broken.glb\ndraw 2\nkey tab\nkey tab\ndrag 150 200 250 220\nresize 64 64\ndraw\n"
              "resize 1 1\ndraw\nresize 640 480\nwait 0.5\nkey 3\ndrag 200 240 260 200\nkey tab\ndraw 2\nkey q\n");
   const Result result = run(with(touch_, {"--skin", ball, "--show", "heat,slice,sections", "--video", film,
-                                          "--interact", (folder_ / "log").string()}),
-                            folder_.string());  // a slow one lasts until settings are written
+                                          "--interact", (folder_ / "log").string()}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "") << "the layers were silent";
   bool resized = false;
