@@ -15,6 +15,7 @@
 #include "driver/autd3/autd3_rig.hpp"
 #include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
+#include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -45,10 +46,12 @@ Means meaning_of(int signal) {
 /// Sends the signal to a loop that sounds.
 void expect_silence(SonicSurfaceLine& board, const std::vector<std::string>& command, int signal) {
   SCOPED_TRACE("signal " + std::to_string(signal) + " (" + strsignal(signal) + "), palpa " + command.front());
-  LiveOptions options;
+  const std::string said = scratch_folder("signal-" + std::to_string(signal)) / "stderr";
+  const Unread err = Unread::file(said);
+  LiveOptions options{.err = &err};
   options.command = command.front().c_str();
   LiveRun loop({command.begin() + 1, command.end()}, options);
-  ASSERT_TRUE(board.sounds());
+  ASSERT_TRUE(board.sounds()) << read_text(said);
   loop.signal(signal);
   const Means means = meaning_of(signal);
   if (means == Means::either && !loop.wait(0.1).ended) loop.signal(SIGTERM);
@@ -60,7 +63,7 @@ void expect_silence(SonicSurfaceLine& board, const std::vector<std::string>& com
   if (means == Means::stop) {
     EXPECT_TRUE(board.falls_silent());
     loop.signal(SIGCONT);
-    EXPECT_TRUE(board.sounds()) << "it goes on";
+    EXPECT_TRUE(board.sounds()) << "it goes on: " << read_text(said);
     loop.signal(SIGKILL);
   }
   EXPECT_TRUE(board.falls_silent()) << "whatever came";
