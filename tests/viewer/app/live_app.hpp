@@ -23,10 +23,11 @@ namespace palpa::viewer {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using Kind = WindowEvent::Kind;
 
 class LiveApp : public testing::Test {
  protected:
+  using Kind = WindowEvent::Kind;
+
   explicit LiveApp(bool panels = false, const Size& size = {400, 300})
       : panels_(panels),
         size_(size),

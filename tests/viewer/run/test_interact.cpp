@@ -11,8 +11,6 @@
 namespace palpa::viewer {
 namespace {
 
-using Kind = Interaction::Kind;
-
 TEST(Interact, ReadsEveryVerb) {
   const auto steps = parse_interactions(
       "# a comment\n\n"
@@ -45,7 +43,7 @@ TEST(Interact, ReadsEveryVerb) {
   EXPECT_EQ(steps[9].file, "out.png");
   EXPECT_EQ(steps[10].event.key, Key::page_up);
   EXPECT_TRUE(steps[10].event.ctrl && steps[10].event.down);
-  EXPECT_EQ(steps[11].kind, Kind::draw) << "a key is pressed, drawn and let go of";
+  EXPECT_EQ(steps[11].kind, Interaction::Kind::draw) << "a key is pressed, drawn and let go of";
   EXPECT_FALSE(steps[12].event.down);
   EXPECT_EQ(steps[13].event.key, key_of('7'));
 }
