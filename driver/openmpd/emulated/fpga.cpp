@@ -48,6 +48,7 @@ void Fpga::begin_resync(double now_s) {
   resyncing_ = true;
   resync_from_ns_ = now_ns_;
   sounding_frames_ = 0;
+  left_ = used_;
   frames_in_step_ = 0;
 }
 
@@ -92,7 +93,7 @@ void Fpga::step_to(std::int64_t now_ns) {
         ++clears_;
         if (!resyncing_) violate(next, "a part of a frame lay in the buffer for a second and was dropped");
       }
-      used_ = 0;
+      used_ = left_ = 0;
       below_since_ns_ = next;
     }
   }
@@ -108,6 +109,7 @@ void Fpga::read_block(std::int64_t now_ns) {
   if (swapping_ && now_ns >= resync_from_ns_ + second_ns) resyncing_ = false;
   swapping_ = false;  // a swap at the block's end is over before the next block comes
   used_ -= block_bytes;
+  left_ -= std::min(left_, block_bytes);
   if (used_ < block_bytes) below_since_ns_ = now_ns;
   reader_ = Reader::counting;
   next_edge_ns_ = (now_ns / period_ns + divider()) * period_ns;
@@ -156,7 +158,8 @@ void Fpga::finish_frame(std::int64_t now_ns) {
   front_ = back_;
   ++frames_;
   if (!resyncing_) ++frames_in_step_;
-  if (resyncing_ && sounds() && ++sounding_frames_ == 2) violate(now_ns, "sound before the board was resynchronised");
+  if (resyncing_ && left_ == 0 && sounds() && ++sounding_frames_ == 2)
+    violate(now_ns, "sound before the board was resynchronised");
   const std::int64_t edge_ns = (now_ns / period_ns + 1) * period_ns;
   shown_s_ = 1e-9 * static_cast<double>(edge_ns);
   if (shown_) shown_(shown_s_, front_);

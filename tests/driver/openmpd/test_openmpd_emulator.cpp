@@ -140,6 +140,23 @@ TEST(OpenMpdFpga, ZerosFlushTheParserFromEveryState) {
   }
 }
 
+TEST(OpenMpdFpga, OnlyWhatWasLeftInItsBufferSoundsDuringAResynchronisation) {
+  Board board;
+  board.resynchronise();
+  for (int i = 0; i < 5; ++i)
+    board.give(plain_frame(7));
+  board.fpga.begin_resync(board.now_s);
+  ASSERT_GE(board.fpga.buffered(), 4 * 512u);
+  board.pass(1e-2);
+  EXPECT_TRUE(board.fpga.sounds());
+  EXPECT_EQ(board.violations.count(), 0u);
+  for (int i = 0; i < 2; ++i)
+    board.give(plain_frame(7));
+  board.pass(1e-2);
+  ASSERT_EQ(board.violations.count(), 1u);
+  EXPECT_EQ(board.violations.kept()[0].what, "sound before the board was resynchronised");
+}
+
 TEST(OpenMpdFpga, ReportsFaultsThatARealBoardWouldAccept) {
   const auto fault_of = [](const openmpd::Frame& frame) {
     Board board;

@@ -92,7 +92,7 @@ class WindowStudy : public ScreenTest {
     const fs::path plan = plan_in(folder_, "[[block]]\nkind = \"trial\"\ntouch_s = 60\n");
     const std::vector<std::string> source{"--source", "synthetic:" + pressed};
     begin(plan, source);
-    std::size_t before = 0;
+    std::size_t before = heard_in(trace_).last_sounding;
     // The trace grows by some megabytes per second, so it is not read more often than necessary. A slow machine can end
     // a rehearsal, and the same command continues.
     return begins([&] { return entries_in(journal_, "\"begin\"") > 0; }) && begins([&] {
@@ -169,9 +169,12 @@ TEST_F(WindowStudy, AWholeStudyIsKilledTwiceAndHasTheSameAnalysis) {
 }
 
 TEST_F(WindowStudy, ASignalDuringATouchIsSilenceAndAVoidTrial) {
-  ASSERT_TRUE(touches()) << said();
-  run_->signal(SIGTERM);
-  EXPECT_EQ(ends(10).exit_code, 1) << said();
+  int times = 0;
+  do {
+    ASSERT_TRUE(touches()) << said();
+    run_->signal(SIGTERM);
+    EXPECT_EQ(ends(10).exit_code, 1) << said();
+  } while (said().find(": error: the program stood still") != std::string::npos && ++times < 5);  // a slow machine
   EXPECT_CONTAINS(said(), "stopped by a signal after 0 of 8 steps; the same command continues");
   EXPECT_CONTAINS(log(), "\tvoid\t");
   expect_silence();
