@@ -15,13 +15,14 @@ function(page NAME PROGRAM HELP SUMMARY)
   list(TRANSFORM also REPLACE ".+" ".BR \\0 (1)\n")
   list(JOIN also "" also)
   file(WRITE ${OUT}/also "[see also]\n${also}")
-  # help2man would join the lines of examples.
+  # help2man would join the lines of examples. Long lists of words may break after a bar.
   cmake_path(GET PROGRAM PARENT_PATH folder)
   cmake_path(GET PROGRAM FILENAME file)
   execute_process(
     COMMAND ${HELP2MAN} --no-info --name=${SUMMARY} --version-string=${NAME}\ ${VERSION} --source=palpa\ ${VERSION}
             --include=${OUT}/also --help-option=${HELP} ./${file}
     COMMAND sed -e "/^\\.SH EXAMPLES/,/^\\.\\(PP\\|SS\\)/{/^\\.IP/d;s/^\\.SH.*/&\\n.nf/;s/^\\.[PS][PS]/.fi\\n&/;s/^\\\\-/    &/}"
+                -e "s/\\([a-z]\\)|\\([a-z]\\)/\\1|\\\\:\\2/g"
     WORKING_DIRECTORY ${folder} OUTPUT_FILE ${OUT}/man/${NAME}.1 COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND gzip -n9 ${OUT}/man/${NAME}.1 COMMAND_ERROR_IS_FATAL ANY)
   file(REMOVE ${OUT}/also)
