@@ -93,7 +93,7 @@ class Fpga {
   bool swapping_ = false;  ///< the next byte of this block is lost
   bool resyncing_ = true;
   std::int64_t resync_from_ns_ = 0;
-  unsigned sounding_frames_ = 0;  ///< of this resynchronisation, but for what was left in the buffer
+  unsigned sounding_frames_ = 0;  ///< of this resynchronisation, without what was left in the buffer
   std::size_t left_ = 0;          ///< bytes in the buffer from before the resynchronisation
   Pulses back_{}, front_{};
   std::uint64_t frames_ = 0, frames_in_step_ = 0;
