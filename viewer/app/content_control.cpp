@@ -305,7 +305,7 @@ void ContentControl::cancel_opening() {
 /// A live run goes on with the recording. A touch becomes a live run. An empty window waits for the object.
 void ContentControl::play_recording(const std::string& path) {
   LiveEdit edit = content_->edit;
-  if (content_->live && !content_->run.playback) content_->before = edit.options().source;
+  if (content_->live && !edit.plays_recording()) content_->before = edit.options().source;
   content_->made.clear();
   edit.play_recording(path);
   const bool waits = edit.options().scene.empty();

@@ -35,6 +35,7 @@ class LiveEdit {
   void replace_scene(const std::string& file);
   /// Frames come from this recording from now on. Clears options that concern made-up frames.
   void play_recording(const std::string& folder);
+  bool plays_recording() const { return options_.source.starts_with("recording:"); }
   /// A single touch becomes a live run. Clears options that only concern its spectrum.
   void leave_touch();
 

@@ -299,6 +299,17 @@ TEST_F(LiveApp, ARecordingOnATouchIsALiveRunWithAllThatIsShownOfIt) {
   EXPECT_TRUE(app_->finish(10));
 }
 
+TEST_F(LiveApp, ARecordingInPlaceOfOneThatHasHardlyBegunGoesBackToTheSourceBefore) {
+  const fs::path first = recording(), second = folder_ / "second";
+  fs::copy(first, second);
+  ASSERT_TRUE(comes_to(LiveState::running));
+  for (const fs::path& take : {first, second}) {
+    drop(take);
+    ASSERT_TRUE(goes_round_until([&] { return options().source == "recording:" + take.string(); }));
+  }
+  EXPECT_EQ(app_->data().content.before, "synthetic");
+}
+
 TEST(MeshOfPressures, IsTheSkinOrTheFingerOfTheSource) {
   EXPECT_EQ(finger_mesh("", ""), "") << "a touch without --skin";
   EXPECT_EQ(finger_mesh("skin.ply", "synthetic:made.ply"), "skin.ply");
