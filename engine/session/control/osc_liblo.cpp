@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string_view>
+#include <type_traits>
 
 #include "session/control/osc_message.hpp"
 
@@ -12,8 +13,9 @@ void check_osc() {}
 std::optional<OscMessage> read_osc_message(std::span<char> bytes) {
   if (bytes.empty() || bytes.front() != '/') return std::nullopt;
   int fault = 0;
-  const std::unique_ptr<void, void (*)(lo_message)> message(lo_message_deserialise(bytes.data(), bytes.size(), &fault),
-                                                            lo_message_free);
+  using Message = std::remove_pointer_t<lo_message>;  // void, or a struct from liblo 0.32 on
+  const std::unique_ptr<Message, decltype(&lo_message_free)> message(
+      lo_message_deserialise(bytes.data(), bytes.size(), &fault), lo_message_free);
   if (!message) return std::nullopt;
   const std::string_view types = lo_message_get_types(message.get());
   lo_arg** const arguments = lo_message_get_argv(message.get());
