@@ -115,7 +115,8 @@ Standing fingertip(Random& random, double tilt_most_deg, double thick_m) {
 }
 
 Standing pointing(Random& random) {
-  const HandSkin& skin = hand_skin(named("point"), random.coin());
+  const HandPose pose = named("point");
+  const HandSkin& skin = hand_skin(pose, random.coin());
   const double turn = usual_turn(random), tilt = random.between(10, 60), roll = random.between(-20, 20);
   return {&skin, leaning(skin, {turn, tilt, roll}, usual_scale(random))};
 }

@@ -159,8 +159,9 @@ RatedHand pinch(std::uint64_t seed) {
   RatedHand hand = begun("pinch", seed);
   hand.solids = {plate(thick_plate(random))};
   const bool left = random.coin();
-  const HandSkin& skin = hand_skin(pinching(), left);
-  const auto tips = assets::fingertips(pinching());
+  const HandPose pose = pinching();
+  const HandSkin& skin = hand_skin(pose, left);
+  const auto tips = assets::fingertips(pose);
   Vec3 across = tips[1].position - tips[0].position, down = tips[0].direction + tips[1].direction;
   if (left) across.x = -across.x, down.x = -down.x;
   across = glm::normalize(across);
@@ -242,7 +243,8 @@ RatedHand turning(std::uint64_t seed) {
   const bool rolls = random.coin();
   Standing skin = rolls ? fingertip(random) : pointer(random);
   if (!rolls && random.below(3) == 0) {
-    const HandSkin& two = hand_skin(two_straight(), random.coin());
+    const HandPose pose = two_straight();
+    const HandSkin& two = hand_skin(pose, random.coin());
     const double turn = usual_turn(random);
     skin = {&two, leaning(two, {turn, random.between(15, 45), 0}, 1)};
   }
