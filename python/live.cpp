@@ -68,7 +68,7 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
       for (const Vec3& focus : values.schedule.voices[values.fingers.size() - 1].foci)
         scheduled.placement.foci.push_back({.position = glm::vec3(focus), .points = 1});
     }
-    values.own_schedule.push_back(false);
+    values.own_schedule.push_back(own);
   }
   for (const gpu::PassTime& pass : report.passes)
     values.times.emplace_back(pass.name, pass.ms);

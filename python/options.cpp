@@ -208,13 +208,14 @@ py::object take_function(const py::kwargs& arguments, const char* name, std::ini
   return value;
 }
 
-/// The foci that the caller's function places.
-std::vector<Vec3> foci_by(const py::object& method, const touch::Touch& touch, const touch::Finger& finger) {
+/// The foci that the caller's function places. `solids`: their names.
+std::vector<Vec3> foci_by(const py::object& method, const std::vector<std::string>& solids, const touch::Touch& touch,
+                          const touch::Finger& finger) {
   auto whole = std::make_shared<TouchObject>();
   whole->values.touch.contacts = touch.contacts;
   whole->values.touch.fingers = {finger};
   whole->values.touch.finger_count = 1;
-  whole->values.solids.assign(finger.solid + std::size_t{1}, "");
+  whole->values.solids = solids;
   whole->values.fingers.resize(1);
   whole->values.schedule.add_voice();
   const py::object returned = call_python(method, py::make_tuple(FingerObject{whole, 0}));
@@ -266,14 +267,17 @@ void take_solver(const py::kwargs& arguments, OwnFunctions& functions) {
       take_function(arguments, "solver", {"amplitude", "transfer", "constraint", "pressure", "spread", "finger"});
 }
 
-session::OwnMethod own_method(OwnFunctions& functions) {
+session::OwnMethod own_method(OwnFunctions& functions, std::span<const geometry::Solid> solids) {
   if (!functions.method) return {};
-  return [&functions](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
+  std::vector<std::string> names;
+  for (const geometry::Solid& solid : solids)
+    names.push_back(solid.name);
+  return [&functions, names = std::move(names)](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
     out.foci.assign(1, {.position = finger.section.centroid, .points = finger.contact_count});
     out.complete = true;
     out.together = false;
     call_own(functions, [&] {
-      const std::vector<Vec3> foci = foci_by(functions.method, touch, finger);
+      const std::vector<Vec3> foci = foci_by(functions.method, names, touch, finger);
       out.foci.clear();
       for (const Vec3& focus : foci)
         out.foci.push_back({.position = glm::vec3(focus), .points = 1});

@@ -6,7 +6,9 @@
 
 #include <atomic>
 #include <exception>
+#include <span>
 
+#include "geometry/solid.hpp"
 #include "session/plan/plan.hpp"
 #include "session/plan/scheduler.hpp"
 #include "setup/options.hpp"
@@ -40,9 +42,9 @@ void take_method(const py::kwargs& arguments, OwnFunctions& functions);
 /// The same for `solver`.
 void take_solver(const py::kwargs& arguments, OwnFunctions& functions);
 
-/// Calls `functions.method` with a Finger; it returns foci (n, 3), 1 to touch::max_foci. After a fault, the focus is
-/// the finger's centroid. Empty if there is no function. `functions` must outlive it.
-session::OwnMethod own_method(OwnFunctions& functions);
+/// Calls `functions.method` with a Finger on one of `solids`; it returns foci (n, 3), 1 to touch::max_foci. After a
+/// fault, the focus is the finger's centroid. Empty if there is no function. `functions` must outlive it.
+session::OwnMethod own_method(OwnFunctions& functions, std::span<const geometry::Solid> solids);
 /// Calls `functions.solver` as drive_by (layout.hpp) does. After a fault, drives are silent. Empty if there is no
 /// function.
 session::OwnSolver own_solver(OwnFunctions& functions);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -58,6 +59,14 @@ const std::vector<array::Transducer>& transducers_of(const LayoutObject& layout)
 bool are_same(const std::vector<array::Transducer>& a, const std::vector<array::Transducer>& b) {
   return std::ranges::equal(a, b, [](const array::Transducer& one, const array::Transducer& other) {
     return one.position == other.position && one.axis == other.axis;
+  });
+}
+
+/// The same transducers, moved or not: as far from the first one, to a micrometre.
+bool are_alike(const std::vector<array::Transducer>& a, const std::vector<array::Transducer>& b) {
+  return std::ranges::equal(a, b, [&](const array::Transducer& one, const array::Transducer& other) {
+    const double from_a = glm::length(one.position - a[0].position);
+    return std::abs(from_a - glm::length(other.position - b[0].position)) < 1e-6;
   });
 }
 
@@ -135,18 +144,34 @@ py::object frame_of(const std::string& name, py::handle points) {
   return frame;
 }
 
+namespace {
+
+/// Of a drive; null if it is not known.
+LayoutPtr layout_of(py::handle drive) {
+  if (py::isinstance<DriveObject>(drive)) return drive.cast<const DriveObject&>().layout;
+  const py::object place = place_of(drive);
+  return py::isinstance<LayoutObject>(place) ? place.cast<LayoutPtr>() : nullptr;
+}
+
+[[noreturn]] void refuse_other_layout(const std::string& name, const LayoutObject& of, const std::string& used) {
+  throw bad_usage(fmt::format("{}: this drive is for {}, but is used with {}, whose transducers stand elsewhere", name,
+                              name_of(of), used));
+}
+
+}  // namespace
+
 array::Drive drive_of_layout(const std::string& name, py::handle drive, const LayoutObject& layout) {
-  LayoutPtr of;
-  if (py::isinstance<DriveObject>(drive)) {
-    of = drive.cast<const DriveObject&>().layout;
-  } else if (const py::object place = place_of(drive); py::isinstance<LayoutObject>(place)) {
-    of = place.cast<LayoutPtr>();
-  }
-  if (of && of.get() != &layout && !are_same(transducers_of(*of), transducers_of(layout))) {
-    throw bad_usage(fmt::format("{}: this drive is for {}, but is used with {}, whose transducers stand elsewhere",
-                                name, name_of(*of), name_of(layout)));
-  }
+  const LayoutPtr of = layout_of(drive);
+  if (of && of.get() != &layout && !are_same(transducers_of(*of), transducers_of(layout)))
+    refuse_other_layout(name, *of, name_of(layout));
   return drive_of(name, drive, layout.layout);
+}
+
+array::Drive drive_of_layout(const std::string& name, py::handle drive, const array::Layout& layout) {
+  const LayoutPtr of = layout_of(drive);
+  if (of && !are_alike(of->layout.transducers, layout.transducers))
+    refuse_other_layout(name, *of, fmt::format("the layout {}", layout.name));
+  return drive_of(name, drive, layout);
 }
 
 }  // namespace palpa::python

@@ -33,5 +33,7 @@ void refuse_other_frame(const std::string& name, py::handle points);
 /// A Drive, or a complex vector with an entry for each transducer. Throws bad_usage, naming both, if it is of another
 /// layout.
 array::Drive drive_of_layout(const std::string& name, py::handle drive, const LayoutObject& layout);
+/// The same for a layout that no Python object has.
+array::Drive drive_of_layout(const std::string& name, py::handle drive, const array::Layout& layout);
 
 }  // namespace palpa::python

@@ -144,7 +144,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (!nulls.is_none()) refuse_other_frame("nulls", nulls);
   o.drive.nulls = nulls_of(nulls, null_radius);
   made->run.ceiling = o.safety.ceiling;
-  o.own_method = own_method(made->own);
+  o.own_method = own_method(made->own, scene->solids);
   o.own_solver = own_solver(made->own);
   set_scene(*scene, o);
   if (kwargs.contains("layout")) made->layout = kwargs["layout"];

@@ -73,7 +73,7 @@ array::Drive drive_by(const py::object& solver, const array::Layout& layout, std
   if (places.empty()) return array::Drive(layout.transducers.size(), {0, 0});
   const py::array matrix = transfer_matrix("foci", layout, places, options);
   const py::tuple arguments = py::make_tuple(matrix, copied(std::span<const double>(gains)));
-  return drive_of("solver", call_python(solver, arguments), layout);
+  return drive_of_layout("solver", call_python(solver, arguments), layout);
 }
 
 void add_transfer_options(CLI::App& app, setup::DriveOptionsGroup& o) {

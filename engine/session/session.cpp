@@ -354,6 +354,7 @@ void Session::change_feel(std::uint32_t solid, const FeelChange& change) {
 }
 
 void Session::exchange_scene(Session& other) {
+  other.state_->planner->number_from(state_->planner->next_id());
   std::swap(state_, other.state_);
 }
 

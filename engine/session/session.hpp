@@ -105,9 +105,10 @@ class Session {
   /// run(), call it only from RunObserver::planned.
   void set_aim(const Vec3& offset);
 
-  /// Exchanges the two sessions' scenes. During run(), call it only from RunChanges::take_scene, with a session that
-  /// has the same setting except for the solids, the same slot, and no frame in progress. What was made with this
-  /// session's values, such as its link, needs the first scene until its end.
+  /// Exchanges the two sessions' scenes. Ids of fingers go on counting. During run(), call it only from
+  /// RunChanges::take_scene, with a session that has the same setting except for the solids, the same slot, and no
+  /// frame in progress. What was made with this session's values, such as its link, needs the first scene until its
+  /// end.
   void exchange_scene(Session& other);
 
   /// To be called if no frame has come for the setting's hold: returns the releases of fingers that do not come back in

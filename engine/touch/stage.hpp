@@ -62,6 +62,9 @@ class Stage {
 
   /// The next frame is followed as if none had come before.
   void forget() { fingers_.forget(); }
+  /// See Fingers.
+  std::uint32_t next_id() const { return fingers_.next_id(); }
+  void number_from(std::uint32_t id) { fingers_.number_from(id); }
 
   /// Starts the frame captured at `time_s`: one image per camera, which must stay as they are until finish(), or points
   /// with ascending indices. If fingers are followed, frames must come in the order of their capture. Throws bad_usage

@@ -244,7 +244,7 @@ TEST(Drive, RefusesFilesThatAreNoTouch) {
       {"{}", foreign},
       {R"({"fingers": [], "foci_m": []})", foreign},
       {R"({"fingers": 3, "schedule": {}})", foreign},
-      {"{", "syntax error at line 1"},
+      {"{", "syntax error at character 1"},
       {touch_of("", "[0]"), "the touch has no finger"},
       {touch_of("7", "[0]"), "finger 0: is not a JSON object"},
       {touch_of(many, "[0, 1]"), "the touch has 65 fingers; palpa touch writes at most 64"},

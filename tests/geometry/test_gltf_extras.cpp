@@ -191,7 +191,7 @@ TEST(Extras, AClickNeedsAPressDepthAndMayBeTurnedOff) {
   for (const Json& on : {Json(true), Json(1), Json(1.0)}) {
     EXPECT_EQ(haptics_of({{"palpa_click", on}, {"palpa_press_depth_m", 0.003}}).click, Click());
     EXPECT_CONTAINS(extras_fault_of({{"palpa_click", on}}),
-                    "node 0: extras: a \"click\" plays when a finger presses, so \"press_depth_m\" must say");
+                    "node 0: extras: a click plays when a finger presses, so \"palpa_press_depth_m\" must say");
   }
   for (const Json& off : {Json(false), Json(0)})
     EXPECT_FALSE(haptics_of({{"palpa_click", off}}).clicks());
@@ -217,7 +217,7 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"delta", 0.001}}}}),
                   "palpa does not know \"delta\"; did you mean \"delta_m\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa_touchabel", false}}),
-                  "palpa does not know \"palpa_touchabel\"; did you mean");
+                  "palpa does not know \"palpa_touchabel\"; did you mean \"palpa_touchable\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
   // A file full of them prints only a few lines.

@@ -35,6 +35,8 @@ def test_a_drive_of_another_layout(openmpd, sonic, cube, finger, tmp_path):
         refused(lambda one=one: sonic.field(one, [0, 0, 0.15], backend="cpu"), "drive", "openmpd", "sonicsurface")
         refused(lambda one=one: sonic.write_drive(tmp_path / "s.csv", one), "openmpd", "sonicsurface")
         refused(lambda one=one: palpa.scatter("assets/finger.ply", layout=sonic, drive=one), "openmpd", "sonicsurface")
+        refused(lambda one=one: sonic.solve([0, 0, 0.15], solver=lambda g, gains, one=one: one, backend="cpu"), "openmpd", "sonicsurface")
+        assert np.allclose(openmpd.moved(openmpd.default_pose).solve([0, 0, 0], solver=lambda g, gains, one=one: one, backend="cpu").vector, one)
         assert openmpd.field(one, [0, 0, 0.15], backend="cpu").peak > 100
     # The same array, loaded again or moved, and plain arrays.
     peak = openmpd.field(drive, [0, 0, 0.15], backend="cpu").peak

@@ -182,8 +182,10 @@ def test_two_threads_and_a_method_share_a_session(cube, finger):
 
 @pytest.mark.parametrize("backend", ["cpu", "gpu"])
 def test_a_method_of_ones_own_in_a_single_touch(cube, finger, backend):
-    touch = cube.touch(finger, penetration=2e-3, method=cross, layout="openmpd", backend=backend)
+    solids = []
+    touch = cube.touch(finger, penetration=2e-3, method=lambda finger: solids.append(finger.solid) or cross(finger), layout="openmpd", backend=backend)
     (one,) = touch.fingers
+    assert solids == [one.solid] == ["cube"]
     usual = cube.touch(finger, penetration=2e-3, backend=backend).fingers[0]
     assert np.allclose(one.foci, cross(usual), atol=1e-7) and sorted(one.order.tolist()) == [0, 1, 2, 3]
     assert one.pressures.shape == (4,) and one.pressures.min() > 0 and '"foci_m"' in touch.json()
@@ -194,6 +196,14 @@ def test_a_method_of_ones_own_in_a_single_touch(cube, finger, backend):
                                (lambda finger: np.zeros((0, 3)), palpa.BadUsage, "0 foci")):
         with pytest.raises(kind, match=says):
             cube.touch(finger, penetration=2e-3, method=method, backend=backend)
+
+
+@pytest.mark.parametrize("count", [1, 7, 12])
+def test_each_slot_of_a_touch_plays_a_focus_of_ones_own_method(cube, finger, openmpd, count):
+    touch = cube.touch(finger, penetration=2e-3, method=lambda finger: finger.positions[:count], backend="cpu")
+    foci = openmpd.from_world(touch.fingers[0].foci)
+    played = [openmpd.solve_touch(touch, slot=slot, backend="cpu").foci[0] for slot in range(count)]
+    assert len(foci) == count and sorted(map(tuple, np.round(played, 9))) == sorted(map(tuple, np.round(foci, 9)))
 
 
 def live(cube, **options):

@@ -226,6 +226,11 @@ TEST(Joints, ThatDoNotMoveByABitGiveNoHand) {
   frames = Frames();
   frames.see({hand});
   EXPECT_EQ(frames.see({hand}, 0.01, 0.3), HandDoubt::frozen) << "palpa's clock counts";
+  frames = Frames();
+  frames.see({hand});
+  TrackedHand thicker = hand;
+  thicker.radii_m[0] += 1e-5;
+  EXPECT_EQ(frames.see({thicker}, 0.3), HandDoubt::frozen) << "a radius is no movement";
 }
 
 /// How many of 300 frames, 10 ms apart, have a hand, of a tracker whose clock runs on by `later_s` from each to the

@@ -99,6 +99,30 @@ TEST(UdpTracker, LeavesOutWhatIsNoFrameAndCountsIt) {
   EXPECT_CONTAINS(said, ": 2 times, palpa left out a frame that is not newer than the one before\n");
 }
 
+TEST(UdpTracker, GoesOnAfterItsClockWasSetBack) {
+  Heard heard;
+  const auto heard_at = [&](double time_s) {
+    heard.sender.send(frame_at(time_s));
+    return heard.next(0.01);
+  };
+  heard.sender.send(frame_at(2));
+  ASSERT_TRUE(heard.next());
+  for (int i = 0; i < 5; ++i)
+    EXPECT_FALSE(heard_at(1.7)) << "a clock that stands still";
+  EXPECT_FALSE(heard_at(1.71));
+  heard.sender.send(frame_at(1.72));
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.time_s, 1.72);
+  heard.sender.send(frame_at(1.73));
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.hands.size(), 1U);
+  for (const double late_s : {1.71, 1.72}) {
+    EXPECT_FALSE(heard_at(late_s)) << "two that were overtaken";
+  }
+  heard.sender.send(frame_at(1.74));
+  ASSERT_TRUE(heard.next());
+}
+
 TEST(UdpTracker, LeavesOutHandsOfAClockThatDoesNotRunInSeconds) {
   const std::string said = test::stderr_of([] {
     Heard heard;

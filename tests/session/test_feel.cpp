@@ -258,6 +258,19 @@ TEST(Feel, ChangesWithTheFrameIfSlotsAreUnknown) {
   EXPECT_EQ(clicking, 5) << "45 ms of frames";
 }
 
+TEST(Feel, AVibrationBesideAForceLeavesTheForceToTheGain) {
+  geometry::Haptics both = spring();
+  both.texture = plate().texture;
+  Frames frames({both});
+  frames.knows_slots = false;
+  for (int n = 0; n < 5; ++n)
+    frames.next({{.depth_m = 0.0025F, .centroid{0.002 * n, 0, 0}}});
+  const array::Voice& voice = frames.schedule.voices[0];
+  EXPECT_TRUE(voice.course.changes());
+  EXPECT_NEAR(voice.gain, 0.5, 1e-6);
+  EXPECT_EQ(voice.course.to.force, 1);
+}
+
 TEST(Feel, NothingClicksOrVibratesForALinkThatIsTooSlow) {
   Frames frames({button(), plate()}, {.steady = true});
   for (int frame = 0; frame < 9; ++frame) {

@@ -437,6 +437,7 @@ TEST_P(Touching, AnotherSceneComesBetweenTwoFrames) {
                                        [](const Event& event) { return event.kind == EventKind::touch; });
   EXPECT_LT(release - live.told.begin(), last_touch.base() - live.told.begin());
   EXPECT_EQ(std::ranges::count(live.told, EventKind::touch, &Event::kind), 2);
+  EXPECT_NE(live.told.back().finger, release->finger) << "numbers go on counting";
   EXPECT_EQ(live.told.back().kind, EventKind::release);
   EXPECT_TRUE(live.link.ended_silent());
 }

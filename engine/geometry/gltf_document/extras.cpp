@@ -196,7 +196,7 @@ Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent)
   }
   if (h.clicks() && !h.press_depth_m) {
     node.fail(
-        "extras: a \"click\" plays when a finger presses, so \"press_depth_m\" must say how deep that is, such as "
+        "extras: a click plays when a finger presses, so \"palpa_press_depth_m\" must say how deep that is, such as "
         "0.003");
   }
   return h;
@@ -212,12 +212,13 @@ bool has_palpa_extras(const Item& item) {
 }
 
 std::string explain_unknown(const std::string& key) {
-  const std::string_view bare = std::string_view(key).substr(key.starts_with("palpa_") ? 6 : 0);
+  const std::string_view prefix = key.starts_with("palpa_") ? "palpa_" : "";
+  const std::string_view bare = std::string_view(key).substr(prefix.size());
   const auto without_unit =
       std::ranges::find_if(keys, [&](const std::string& known) { return bare.size() >= 4 && known.starts_with(bare); });
   const std::string meant = without_unit != keys.end() ? *without_unit : nearest_word(bare, keys);
   return meant.empty() ? fmt::format("known are {}", fmt::join(keys, ", "))
-                       : fmt::format("did you mean \"{}\"?", meant);
+                       : fmt::format("did you mean \"{}{}\"?", prefix, meant);
 }
 
 }  // namespace palpa::geometry::gltf

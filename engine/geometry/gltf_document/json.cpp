@@ -78,8 +78,10 @@ Parsed::Parsed(const std::string& file, const std::string& text) {
   } catch (const Json::parse_error& e) {
     // The exception's own text quotes the input, which may be endless and contain anything.
     const std::size_t end = std::min(e.byte, brief.size());
+    const bool one_line = brief.find('\n') == std::string::npos && brief.size() == text.size();
     const auto line = std::count(brief.begin(), brief.begin() + static_cast<std::ptrdiff_t>(end), '\n') + 1;
-    throw bad_input(file, fmt::format("its JSON has a syntax error at line {}", line));
+    throw bad_input(file, one_line ? fmt::format("its JSON has a syntax error at character {}", end)
+                                   : fmt::format("its JSON has a syntax error at line {}", line));
   } catch (const Json::exception&) {
     throw bad_input(file, "its JSON has a number that is out of range");
   }

@@ -53,7 +53,7 @@ std::optional<HandDoubt> HandCheck::doubt_of(const TrackedHand& hand, double tim
   Seen& seen = seen_[hand.left ? 1 : 0];
   const double since_s = time_s - seen.time_s;
   const bool follows = seen.known && since_s > 0 && since_s <= longest_gap_s;
-  const bool still = seen.known && hand == seen.hand;
+  const bool still = seen.known && hand.joints == seen.hand.joints;
   const bool jumps = follows && jumped(seen.hand, hand, since_s);
   seen = {true, hand, time_s, still ? seen.moved_s : arrived_s};
   if (jumps) return HandDoubt::jump;

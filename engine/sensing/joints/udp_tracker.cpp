@@ -26,6 +26,8 @@ constexpr int most_taken = 64;
 /// Before the first frame, all that waited while palpa started, so that only that frame is old.
 constexpr int most_waiting = 4096;
 constexpr std::size_t most_read = 4;
+/// So many frames in a row that are not newer, but ascend, come from a clock that was set back.
+constexpr int most_older = 3;
 const std::string its_name = "the datagram";
 
 class UdpTracker final : public Tracker {
@@ -70,16 +72,25 @@ class UdpTracker final : public Tracker {
     }
     return taken;
   }
+  /// A frame that is older by more was sent by a tracker that was started again.
+  bool is_late(double time_s) {
+    if (!last_s_ || time_s > *last_s_ || time_s < *last_s_ - longest_delay_s) return false;
+    if (older_ == 0 || time_s > older_s_) {
+      ++older_;
+      older_s_ = time_s;
+    }
+    return older_ < most_older;
+  }
   bool read(const std::string& datagram, TrackedFrame& out) {
     try {
       std::optional<TrackedFrame> frame = read_frame(datagram, its_name);
       if (!frame) return false;
-      // One that is older by more was sent by a tracker that was started again.
-      if (last_s_ && frame->time_s <= *last_s_ && frame->time_s >= *last_s_ - longest_delay_s) {
+      if (is_late(frame->time_s)) {
         left_out_.add("a frame that is not newer than the one before");
         return false;
       }
       last_s_ = frame->time_s;
+      older_ = 0;
       out = *std::move(frame);
       return true;
     } catch (const Error& error) {
@@ -95,6 +106,8 @@ class UdpTracker final : public Tracker {
   std::array<std::string, most_read> newest_;  ///< a ring
   HandCheck check_;
   std::optional<double> last_s_;
+  int older_ = 0;  ///< ascending frames in a row that were not newer, and the time of the last of them
+  double older_s_ = 0;
   std::uint64_t number_ = 0, replaced_ = 0;
 };
 

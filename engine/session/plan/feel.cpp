@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <utility>
 
 #include "session/watch/press.hpp"
 
@@ -25,13 +26,17 @@ double at_rest(double gain, std::span<const geometry::DepthForce> stiffness, std
   return gain * std::sqrt(geometry::force_at(stiffness, press_depth_m.value_or(0)));
 }
 
-/// The gain that holds in all slots of the frame becomes the voice's own.
-void give(const array::Course& course, array::Voice& voice, double slot_s) {
-  if (course.changes()) {
-    voice.course = course;
-  } else {
+/// What holds in all slots of the frame becomes the voice's own gain: all of it, or the force beside vibrations.
+void give(array::Course course, array::Voice& voice, double slot_s) {
+  if (!course.changes()) {
     voice.gain *= array::modulate(course, 0, slot_s);
+    return;
   }
+  if (course.slots == 0) {
+    voice.gain *= std::sqrt(course.to.force);
+    course.from.force = course.to.force = 1;
+  }
+  voice.course = std::move(course);
 }
 
 }  // namespace

@@ -151,6 +151,9 @@ class FramePlanner : public Planner {
     scheduler_.set_pose(solid, T_world_rest);
   }
 
+  std::uint32_t next_id() const override { return stage_.next_id(); }
+  void number_from(std::uint32_t id) override { stage_.number_from(id); }
+
   void list_standing(bool lists) override { slot_work_.lists_standing = lists; }
 
   void set_effort(const Effort& effort) override {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <span>
 
 #include "base/error.hpp"
 #include "session/links/record_link.hpp"
@@ -16,9 +18,15 @@ ExportResult export_played(const ExportTask& task, std::atomic<bool>& stop) {
   if (task.drives.empty()) throw bad_usage("--played goes with --drives, the file for the drives of these foci");
   if (task.hold_auto) throw bad_usage("--hold auto goes with palpa run: what was played is never late");
   const session::PlayedFoci played = load_played_foci(task.played);
+  // As of the method that places such foci, so that they get its usual solver.
+  const bool together = std::ranges::any_of(played.frames, [](const session::PlayedFoci::Frame& frame) {
+    return std::ranges::any_of(std::span(frame.schedule.voices).first(frame.schedule.voice_count),
+                               [](const array::Voice& voice) { return voice.foci_per_slot > 1; });
+  });
+  const touch::Method method = together ? touch::Method::multi_focus : touch::Method::cross_section;
   const PosedRig rig = load_posed_rig(task.rig);
   const session::OutputSetting setting{.layout = rig.layout,
-                                       .drive = drive_options(task.drive),
+                                       .drive = drive_options(task.drive, method),
                                        .slot_s = played.slot_s,
                                        .hold_s = task.hold_s,
                                        .safety = task.safety};

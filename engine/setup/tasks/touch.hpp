@@ -51,7 +51,7 @@ struct TouchResult {
   const touch::Touch& touch() const { return one.touch; }  ///< contacts and fingers
   /// Foci and schedule (a voice for each finger), solids and setting.
   const session::Session& session() const { return one.session; }
-  /// Whether --tune or its solid gave this finger its own schedule.
+  /// Whether --tune, its solid or a method of the caller's gave this finger its own schedule.
   bool has_own_schedule(std::uint32_t finger) const;
   /// Whether any focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;

@@ -53,6 +53,11 @@ class Fingers {
   void forget() {
     if (tracks_) tracks_->clock = {};
   }
+  /// The id of the next new finger, if fingers are followed.
+  std::uint32_t next_id() const { return tracks_ ? tracks_->next_id : 0; }
+  void number_from(std::uint32_t id) {
+    if (tracks_) tracks_->next_id = id;
+  }
 
  private:
   const sensing::RayTables& tables_;
