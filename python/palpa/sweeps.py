@@ -393,7 +393,7 @@ def gather(plan, out, file=None, *, partial=False, backend=None):
     Raises
     ------
     BadUsage
-        The table would replace an input of the plan, or the folder has results of both backends.
+        The table would replace an input of the plan or the results, or the folder has results of both backends.
     Error
         Cases have no result yet, or the table cannot be written.
     """
@@ -414,8 +414,9 @@ def gather(plan, out, file=None, *, partial=False, backend=None):
         writer = csv.writer(text, lineterminator="\n")
         writer.writerows([rows[0], *([str(cell).lower() if isinstance(cell, bool) else cell for cell in row.values()] for row in rows)])
         with told(table, "written"):
-            if any(table.exists() and table.samefile(other) for other in plan.files):
-                raise error(f"{table}: is an input of the plan; give another name")
+            for what, files in (("an input of the plan", plan.files), ("one of the results", pathlib.Path(out).glob("*.jsonl"))):
+                if table.exists() and any(table.samefile(other) for other in files):
+                    raise error(f"{table}: is {what}; give another name")
             beside = table.with_name(f".{table.name}.{os.getpid()}")
             beside.write_text(text.getvalue(), encoding="utf-8")
             beside.replace(table)

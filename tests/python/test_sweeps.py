@@ -151,14 +151,14 @@ def test_everything_is_kept(tmp_path):
         palpa.gather(DRIVE, tmp_path)
 
 
-def test_a_table_replaces_no_input(plan, tmp_path, openmpd):
+def test_a_table_replaces_no_input_and_no_result(plan, tmp_path, openmpd):
     drive = tmp_path / "drive.csv"
     openmpd.write_drive(drive, openmpd.drive([0, 0, 0.1], backend="cpu"))
     plan.write_text('command = "field"\n[options]\nlayout = "openmpd"\ndrive = "drive.csv"\nline = ["0,0,0.1", "0,0,0.2"]\nsamples = 3\n')
     assert states(palpa.sweep(plan, tmp_path / "out", backend="cpu")) == ["done"]
-    for file in (drive, plan):
+    for file, what in ((drive, "an input of the plan"), (plan, "an input of the plan"), (tmp_path / "out/shard-0-of-1.jsonl", "one of the results")):
         before = file.read_bytes()
-        with pytest.raises(palpa.BadUsage, match=f"{file.name}: is an input of the plan"):
+        with pytest.raises(palpa.BadUsage, match=f"{file.name}: is {what}"):
             palpa.gather(plan, tmp_path / "out", file)
         assert file.read_bytes() == before
     with pytest.raises(palpa.Error, match="none/t.csv: cannot be written: No such file"):
