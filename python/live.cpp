@@ -141,7 +141,6 @@ class Callbacks final : public session::RunObserver {
   Callbacks(SessionObject& o, session::Session& session) : o_(o), session_(session) {}
 
   void planned(const session::FrameReport& report, const session::Plan& plan) override {
-    change_solids(o_.run, session_);
     if (!o_.run.on_frame) return;
     call_back(o_, o_.run.on_frame, [&] {
       return frame_of(report, plan, session_.solid_names(), session_.scheduler().common_voice(), bool{o_.own.method});
@@ -156,6 +155,21 @@ class Callbacks final : public session::RunObserver {
  private:
   SessionObject& o_;
   session::Session& session_;
+};
+
+/// What the caller and OSC change in a run whose frames are pushed.
+class Changes final : public session::RunChanges {
+ public:
+  Changes(Run& run, session::Osc* osc) : run_(run), osc_(osc) {}
+
+  void before_frame(session::Session& session) override {
+    if (osc_) osc_->before_frame(session);
+    change_solids(run_, session);
+  }
+
+ private:
+  Run& run_;
+  session::Osc* osc_;
 };
 
 /// A run whose frames are pushed.
@@ -183,9 +197,10 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   o.run.written = setup::outputs_of(options, links);
   Callbacks callbacks(o, session);
   if (osc) osc->listen(session, callbacks);
+  Changes changes(o.run, osc ? &*osc : nullptr);
   session::LoopStats stats =
       session::run_points(session, *o.run.points, *link, o.run.stop,
-                          {.frames = options.frames, .observer = &callbacks, .changes = osc ? &*osc : nullptr});
+                          {.frames = options.frames, .observer = &callbacks, .changes = &changes});
   if (osc) stats.messages = osc->end();
   setup::tell_backend(options.common, stats);
   return stats;
@@ -205,7 +220,8 @@ void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   if (!open(options, sources, links, run.stop, live)) return;
   run.written = setup::outputs_of(options, links);
   Callbacks callbacks(o, live->session());
-  run.stats = std::make_shared<StatsObject>(StatsObject{live->run(callbacks)});
+  run.stats = std::make_shared<StatsObject>(
+      StatsObject{live->run(callbacks, {}, [&run](session::Session& session) { change_solids(run, session); })});
 }
 
 /// The whole of a run, on its own thread.
@@ -451,6 +467,7 @@ void set_aim(SessionObject& o, const py::object& offset) {
 }
 
 void set_gain(SessionObject& o, double gain) {
+  refuse_fork();
   if (!o.live()) throw bad_usage("set_gain is for sessions with a source: it changes the sound of a link");
   if (!(gain >= 0 && gain <= 1)) throw bad_usage(fmt::format("gain: {} is not within 0 to 1", gain));
   o.run.ceiling = o.options.safety.ceiling * gain;

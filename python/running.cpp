@@ -170,6 +170,32 @@ Locked::~Locked() {
   if (taken_) PyGILState_Release(state_);
 }
 
+namespace {
+
+/// Ends a process that a function of the caller's made with fork() on a thread of a run. The other threads of the run,
+/// for which the thread would wait, are not there.
+[[noreturn]] void leave_fork(bool returned) {
+  int code = 1;
+  if (returned) {
+    std::fputs("palpa: error: a process that a callback made with fork() cannot return to palpa: end it there\n",
+               stderr);
+  } else if (PyErr_ExceptionMatches(PyExc_SystemExit)) {
+    py::error_already_set fault;
+    const py::object asked = fault.value().attr("code");
+    if (asked.is_none() || PyLong_Check(asked.ptr())) code = asked.is_none() ? 0 : int(PyLong_AsLong(asked.ptr()));
+  } else {
+    PyErr_Print();
+  }
+  for (const char* const stream : {"stdout", "stderr"}) {
+    PyObject* const file = PySys_GetObject(stream);
+    if (file && !PyObject_CallMethod(file, "flush", nullptr)) PyErr_Clear();
+  }
+  std::fflush(nullptr);
+  _exit(code);
+}
+
+}  // namespace
+
 /// The interpreter ends a thread by a forced unwind. It has no object, which the sanitizer would report as a null
 /// reference.
 __attribute__((no_sanitize("undefined"))) py::object call_python(const py::object& function,
@@ -180,6 +206,7 @@ __attribute__((no_sanitize("undefined"))) py::object call_python(const py::objec
   } catch (const abi::__forced_unwind&) {
     wait_for_end_of_process();
   }
+  if (!is_own_process() && std::this_thread::get_id() != main_thread) leave_fork(answer != nullptr);
   if (!answer) throw py::error_already_set();
   return py::reinterpret_steal<py::object>(answer);
 }

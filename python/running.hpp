@@ -76,7 +76,7 @@ class KeptThreadState {
 
 /// Calls a function of the caller's, on any thread that has the interpreter's lock. If the interpreter ends the thread
 /// meanwhile, it waits here for the end of the process: it must not unwind the engine's code, and without the lock, it
-/// must not drop an object of Python's.
+/// must not drop an object of Python's. A process that the function forked on a thread of the engine's ends here, too.
 py::object call_python(const py::object& function, const py::tuple& arguments);
 
 /// Calls `work` without the interpreter's lock.

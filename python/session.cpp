@@ -317,7 +317,11 @@ pose : array_like, shape (4, 4)
            py::arg("on_event") = py::none(), start_doc)
       .def("wait", &wait_for_end, "Wait for the end of the run, as run() does.\n\nReturns\n-------\nRunStats")
       .def(
-          "stop", [](SessionObject& o) { o.run.stop = true; },
+          "stop",
+          [](SessionObject& o) {
+            refuse_fork();
+            o.run.stop = true;
+          },
           "Let the run end soon, in silence. Any thread may call it; it does not wait.")
       .def(
           "run",

@@ -190,6 +190,9 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::
           file, std::move(second->rest), fault("its key"), fault(fmt::format("key {}", printable(second->key, 40)))});
       return {document, &document->root, std::string(what)};
     }
+    if (error.description().find("not representable") != std::string_view::npos)
+      throw bad_input(file,
+                      fmt::format("line {}: the number before column {} has too many digits", at.line, at.column));
     throw bad_input(file, fmt::format("line {}: not TOML: a syntax error at column {}", at.line, at.column));
   }
 }
@@ -308,7 +311,7 @@ std::string TomlTable::text(std::string_view key) {
     throw fault(key, fmt::format("{} must be a text in quotes, not empty", key));
   }
   if (printable(node->get(), 1024) != node->get()) {
-    throw fault(key, fmt::format("{} must be one line of at most 1024 characters", key));
+    throw fault(key, fmt::format("{} must be one line of at most 1024 characters, without tabs and the like", key));
   }
   return node->get();
 }

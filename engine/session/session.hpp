@@ -102,7 +102,7 @@ class Session {
   void change_feel(std::uint32_t solid, const FeelChange& change);
 
   /// The foci of the frames that follow sound at this offset from where they are seen, metres in the world. During
-  /// run(), call it only from RunObserver::planned.
+  /// run(), call it only from RunObserver::planned and RunChanges::before_frame.
   void set_aim(const Vec3& offset);
 
   /// Exchanges the two sessions' scenes. Ids of fingers go on counting. During run(), call it only from

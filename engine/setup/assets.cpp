@@ -1,5 +1,7 @@
 #include "setup/assets.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <filesystem>
 
@@ -39,6 +41,8 @@ std::string find_asset(const std::string& name) {
   for (fs::path folder = program.parent_path(); folder.has_relative_path(); folder = folder.parent_path()) {
     const fs::path file = folder / "assets" / name;
     if (fs::exists(file, ignored)) return file.string();
+    if (fs::exists(folder / "assets/cube.glb", ignored))
+      throw bad_input(name, fmt::format("is not in palpa's assets folder, {}", (folder / "assets").string()));
   }
   throw bad_input(name, "not found beside the program; set PALPA_ASSETS to palpa's assets folder");
 }

@@ -181,6 +181,7 @@ void LiveRun::watch_scene() {
 
 void LiveRun::before_frame(session::Session& session) {
   if (osc_) osc_->before_frame(session);
+  if (before_frame_) before_frame_(session);
 }
 
 void LiveRun::take_scene(session::Session& session) {
@@ -195,12 +196,14 @@ void tell_backend(const ComputeOptions& options, session::LoopStats& stats) {
 }
 
 session::LoopStats LiveRun::run(session::RunObserver& observer,
-                                const std::function<void(const sensing::FrameSet&)>& record) {
+                                const std::function<void(const sensing::FrameSet&)>& record,
+                                std::function<void(session::Session&)> before_frame) {
+  before_frame_ = std::move(before_frame);
   session::RunOptions options{.frames = options_.frames,
                               .every_frame = options_.every_frame,
                               .observer = &observer,
                               .events = sink_.get(),
-                              .changes = osc_ || options_.reload ? this : nullptr,
+                              .changes = osc_ || options_.reload || before_frame_ ? this : nullptr,
                               .record = record};
   std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
   if (recorder_) {

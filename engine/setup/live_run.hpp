@@ -70,10 +70,11 @@ class LiveRun final : session::RunChanges {
   sensing::DepthSource& source() { return *prepared_.source; }
 
   /// Calls Session::run; may be called only once. `observer` and `record` (see RunOptions) get events and frames after
-  /// the outputs that the options name. Warns of frames that were not recorded. Throws as Session::run, the sink and
-  /// the recorder do.
+  /// the outputs that the options name. `before_frame` is called as that of RunChanges, after OSC's. Warns of frames
+  /// that were not recorded. Throws as Session::run, the sink and the recorder do.
   session::LoopStats run(session::RunObserver& observer = session::no_observer,
-                         const std::function<void(const sensing::FrameSet&)>& record = {});
+                         const std::function<void(const sensing::FrameSet&)>& record = {},
+                         std::function<void(session::Session&)> before_frame = {});
 
  private:
   std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);
@@ -85,6 +86,7 @@ class LiveRun final : session::RunChanges {
   LiveOptions options_;
   std::atomic<bool>* stop_;
   std::unique_ptr<session::Osc> osc_;
+  std::function<void(session::Session&)> before_frame_;
   SceneState scene_state_;
   Prepared prepared_;
   std::optional<SceneReload> reload_;

@@ -31,7 +31,10 @@ std::optional<MethodPair> pair_of(const Study& study, const Results& results, st
   for (std::size_t person = 0; person < study.participants.size(); ++person) {
     const PersonResult* one = result_of(results, person, a);
     const PersonResult* other = result_of(results, person, b);
-    if (!one || !other) continue;
+    if (!one || !other) {
+      if ((one || other) && study.least_trials > 0) pair.excluded.push_back(person);
+      continue;
+    }
     of_all.push_back(difference(one->table, other->table));
     if (!has_enough(study, *one) || !has_enough(study, *other)) {
       pair.excluded.push_back(person);
@@ -44,7 +47,8 @@ std::optional<MethodPair> pair_of(const Study& study, const Results& results, st
     of_b.push_back(other->accuracy);
   }
   if (of_all.empty()) return std::nullopt;
-  if (!pair.excluded.empty()) {
+  if (of_all.size() > pair.people.size()) {
+    pair.people_with_excluded = of_all.size();
     pair.with_excluded = wilcoxon(of_all, Zeros::drop);
     pair.mean_with_excluded = mean(of_all);
   }

@@ -37,8 +37,9 @@ struct MethodPair {
   OrderEffect order{};
   TwoTables tables{};  ///< of all trials
   /// Participants with too few trials, who are left out of all of the above but `tables`: places in
-  /// Study::participants. If there are any: Wilcoxon's test and the mean with them.
+  /// Study::participants. If some of them used both methods: Wilcoxon's test and the mean with these.
   std::vector<std::size_t> excluded{};
+  std::size_t people_with_excluded = 0;
   std::optional<SignedRank> with_excluded{};
   std::optional<double> mean_with_excluded{};
 };

@@ -76,7 +76,7 @@ std::vector<NamedTable> tables_of(const std::string& source, std::vector<std::st
     for (const MethodResult& method : results.methods)
       tables.push_back({fmt::format("{}: {}", source, method.pooled.name), method.pooled.table});
   } else if (fs::path(source).extension() == ".json") {
-    for (auto& [name, table] : read_results(source))
+    for (auto& [name, table] : read_results(source, left_out))
       tables.push_back({fmt::format("{}: {}", source, name), std::move(table)});
   } else {
     CountsFile file = read_counts(source);

@@ -27,6 +27,28 @@ class Placed(_np.ndarray):
             _written(inputs[0] if inputs else options.get("dst"), None)
         return result
 
+    def fill(self, value):
+        """As ndarray.fill."""
+        super().fill(value)
+        _written(self, None)
+
+    def put(self, *inputs, **options):
+        """As ndarray.put."""
+        super().put(*inputs, **options)
+        _written(self, None)
+
+    @property
+    def flat(self):
+        """As ndarray.flat, through which anything may be written."""
+        if self.flags.writeable:
+            _written(self, None)
+        return _plain(self).flat
+
+    @flat.setter
+    def flat(self, values):
+        _plain(self).flat = values
+        _written(self, None)
+
     def dot(self, *inputs, **options):
         """As ndarray.dot."""
         return _called(_plain(self).dot, inputs, options)

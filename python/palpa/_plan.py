@@ -22,10 +22,10 @@ OF_THE_SWEEP = {"gpu", "backend", "validation", "allow_outside"}
 COMMANDS = {
     "touch": (("Scene", "Scene.touch"), {"scene": "FILE", "points": "FILE", "depth": "FILES", "camera": "FILES", "rig": "FILE",
                                          "penetration": "LENGTH"}, ("scene", "points depth")),
-    "drive": (("Layout.solve",), {"layout": "NAME|FILE", "focus": "POINTS", "touch": "FILE", "slot": "N", "mesh": "FILE", "force": "FLAG"},
+    "drive": (("Layout.solve",), {"layout": "NAME|FILE", "focus": "POINTS", "null": "POINTS", "touch": "FILE", "slot": "N", "mesh": "FILE", "force": "FLAG"},
               ("layout", "focus touch")),
     "field": (("Layout.solve", "Layout.field"), {
-        "layout": "NAME|FILE", "focus": "POINTS", "drive": "FILE", "plane": ("xy", "xz", "yz"), "centre": "LIST", "size": "LIST",
+        "layout": "NAME|FILE", "focus": "POINTS", "null": "POINTS", "drive": "FILE", "plane": ("xy", "xz", "yz"), "centre": "LIST", "size": "LIST",
         "pixels": "LIST", "line": "POINTS", "samples": "N", "points": "FILE"}, ("layout", "focus drive", "plane line points")),
     "simulate": (("Scene", "simulate"), {"scene": "FILE", "finger": "FILE", "penetration": "LENGTH", "skin": ("vertices", "cameras"),
                                          "noise_free": "FLAG", "force": "FLAG"}, ("scene", "finger")),

@@ -58,6 +58,13 @@ def solve(layout, focus, **options):
     return layout.solve([point[:3] for point in points], [(point + [1])[3] for point in points], **options)
 
 
+def nulls_of(o):
+    points = [lengths(text) for text in o.pop("null", ())]
+    if any(len(point) not in (3, 4) for point in points):
+        raise error("null must be X,Y,Z or X,Y,Z,R")
+    return {"nulls": [point[:3] for point in points], "null_radius": [(point + [0])[3] for point in points]} if points else {}
+
+
 def places(o):
     if "plane" in o:
         lists = {name: lengths(text) for name, text in taken(o, "centre size pixels")}
@@ -78,14 +85,14 @@ def result_of(command, o, outside, common):
         return _engine.simulate(scene, kept_finger(o.pop("finger"), air + taken(o, "force")), **o, **common)
     layout = kept(_engine.Layout, o.pop("layout"))
     if command == "drive" and "touch" in o:
-        return layout.solve_touch(o.pop("touch"), slot=int(o.pop("slot", 0)), **o, **common)
+        return layout.solve_touch(o.pop("touch"), slot=int(o.pop("slot", 0)), **nulls_of(o), **o, **common)
     if command == "drive":
-        return solve(layout, o.pop("focus"), finger=kept(_engine.Mesh, o.pop("mesh")) if "mesh" in o else None, **o, **common)
+        return solve(layout, o.pop("focus"), finger=kept(_engine.Mesh, o.pop("mesh")) if "mesh" in o else None, **nulls_of(o), **o, **common)
     where = places(o)
     if "drive" in o:
         return layout.field(layout.read_drive(o.pop("drive")), where, **o, **common)
     solved = taken(o, "amplitude solver constraint pressure") + taken(dict(o), "temperature sound_speed frequency directivity")
-    return layout.field(solve(layout, o.pop("focus"), backend="cpu", **dict(solved)), where, **o, **common)
+    return layout.field(solve(layout, o.pop("focus"), backend="cpu", **nulls_of(o), **dict(solved)), where, **o, **common)
 
 
 def compute(task, settings):

@@ -91,7 +91,8 @@ TEST(Toml, FaultsNameFileLineAndKey) {
   EXPECT_EQ(fault_of([&] { table.number("a", 4, 5); }), "x: line 1: a is 3, expected 4 to 5");
   EXPECT_EQ(fault_of([&] { table.number("b"); }), "x: line 2: b must be a finite number");
   EXPECT_EQ(fault_of([&] { table.number("b", 0, 1); }), "x: line 2: b must be a number");
-  EXPECT_EQ(fault_of([&] { table.text("b"); }), "x: line 2: b must be one line of at most 1024 characters");
+  EXPECT_EQ(fault_of([&] { table.text("b"); }),
+            "x: line 2: b must be one line of at most 1024 characters, without tabs and the like");
   EXPECT_EQ(fault_of([&] { table.text("a"); }), "x: line 1: a must be a text in quotes, not empty");
   EXPECT_EQ(fault_of([&] { table.number("c"); }), "x: line 3: c must be a finite number");
   EXPECT_EQ(fault_of([&] { table.numbers("d", 0); }), "x: line 4: d must be a list of finite numbers");

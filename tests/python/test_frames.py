@@ -114,6 +114,11 @@ def test_what_is_written_into_an_array_says_where_it_belongs(openmpd, sonic, tou
     out = foci.copy()
     np.add(own, 0, out=out)
     assert out.of is None
+    for write in (lambda a: a.flat.__setitem__(slice(None), own.ravel()), lambda a: setattr(a, "flat", own), lambda a: a.put(range(a.size), own), lambda a: a.fill(0.1)):
+        copy = foci.copy()
+        write(copy)
+        assert copy.of is None
+    assert foci.flat[0] == foci[0, 0] and foci.of == "world"
     # What stays in its frame, and single numbers.
     same = foci.copy()
     same[0], same[1, 2] = foci[1], 0.2

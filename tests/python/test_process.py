@@ -164,6 +164,26 @@ print(session.wait().frames > 3)
     assert (done.returncode, done.stdout, without_lateness(done.stderr)) == (0, "7\n" * 5 + "True\n", "")
 
 
+@pytest.mark.parametrize("end, code, says", [("return", 1, "palpa: error: a process that a callback made with fork()"), ("raise SystemExit(7)", 7, ""),
+                                             ("raise SystemExit", 0, ""), ("1 / 0", 1, "ZeroDivisionError")])
+def test_a_process_that_a_callback_forks_ends(end, code, says):
+    code_of = f"""
+import os, warnings, palpa
+warnings.simplefilter("ignore", DeprecationWarning)
+session = palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", backend="cpu")
+def forks(touch):
+    child = os.fork()
+    if child == 0:
+        print("child")
+        {end}
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+    session.stop()
+session.run(on_frame=forks)
+"""
+    done = python(code_of)
+    assert (done.returncode, done.stdout) == (0, f"child\n{code}\n") and says in done.stderr
+
+
 LONG = """
 import palpa, numpy as np
 openmpd = palpa.Layout("openmpd")

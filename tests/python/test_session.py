@@ -252,6 +252,25 @@ def test_a_far_aim_is_warned_of(cube):
             session.set_aim([0, 0.05, 0])
 
 
+def test_a_pose_holds_from_the_first_frame_on(cube, finger):
+    far = np.eye(4)
+    far[1, 3] = -1
+    seen = []
+    session = live(cube)
+    session.set_pose("cube", far)
+    session.run(frames=6, on_frame=lambda touch: seen.append(len(touch.fingers)))
+    assert seen == 6 * [0]
+    pushed = live(cube, source="points", every_frame=False, hold=10)
+    with pushed:
+        pushed.set_pose("cube", far)
+        pushed.start(on_frame=lambda touch: seen.append(len(touch.fingers)))
+        for number, pose, expected in ((7, far, 0), (8, np.eye(4), 1), (9, far, 0)):
+            pushed.set_pose("cube", pose)
+            pushed.push_points(pressed(finger, 2e-3), number / 90)
+            begins(lambda: len(seen) == number)
+            assert seen[-1] == expected
+
+
 def test_from_other_threads(cube):
     session = live(cube, every_frame=False)
     with session:

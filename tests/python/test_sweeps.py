@@ -151,6 +151,17 @@ def test_everything_is_kept(tmp_path):
         palpa.gather(DRIVE, tmp_path)
 
 
+def test_nulls_may_vary(tmp_path, openmpd):
+    focus, nulls = [0.01, 0, 0.15], [[0, 0, 0.15], [-0.01, 0, 0.15]]
+    drives = palpa.sweep({"command": "drive", "options": {"layout": "openmpd", "focus": "1cm,0,15cm"}, "vary": {"null": [["0,0,15cm,0.1mm", "-1cm,0,15cm"], "0,0,15cm"]},
+                          "results": ["phases_rad.0"]}, backend="cpu")
+    expected = [openmpd.solve(focus, nulls=nulls, null_radius=[1e-4, 0], backend="cpu"), openmpd.solve(focus, nulls=nulls[:1], backend="cpu")]
+    assert [row["phases_rad.0"] for row in drives] == [json.loads(one.json())["phases_rad"][0] for one in expected]
+    field = palpa.sweep({"command": "field", "options": {"layout": "openmpd", "focus": "1cm,0,15cm", "null": "0,0,15cm", "line": ["0,0,0.15", "0,0,0.16"], "samples": 2},
+                         "results": ["pressure_pa.0"]}, backend="cpu")
+    assert field[0]["pressure_pa.0"] < 1
+
+
 def test_a_table_replaces_no_input_and_no_result(plan, tmp_path, openmpd):
     drive = tmp_path / "drive.csv"
     openmpd.write_drive(drive, openmpd.drive([0, 0, 0.1], backend="cpu"))

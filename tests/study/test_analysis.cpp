@@ -137,6 +137,14 @@ TEST(StudyAnalysis, ParticipantsWithTooFewTrialsAreLeftOutOfComparisons) {
     EXPECT_CONTAINS(report, "with them: mean ");
   }
   EXPECT_CONTAINS(analysis_json(analysis), "\"excluded\": [4]");
+  // One who did not come to the other method.
+  Study half = ten();
+  std::erase_if(half.participants[5].trials, [](const Trial& trial) { return trial.method == 1; });
+  half.least_trials = 30;
+  const Analysis without = analyse(std::move(half), 0);
+  EXPECT_EQ(without.between.pairs[0].excluded, std::vector<std::size_t>{5});
+  EXPECT_FALSE(without.between.pairs[0].with_excluded) << "there is no difference";
+  EXPECT_CONTAINS(analysis_text(without), "at least 30 trials with each method: participant 6 (40 and 0)");
   // Nobody has enough.
   Study few = ten();
   few.least_trials = 41;

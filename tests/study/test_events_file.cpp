@@ -59,6 +59,7 @@ TEST(EventsFile, AFaultyRowIsLeftOutWithItsLine) {
       {"2\t10\ttrial\tm\tcube\tcube\t1.5", "7 cells where the first line has 8"},
       {"x\t10\ttrial\tm\tcube\tcube\t1.5\tanswered", "onset 'x' is not a time in seconds"},
       {"nan\t10\ttrial\tm\tcube\tcube\t1.5\tanswered", "onset 'nan' is not a time"},
+      {"-1\t10\ttrial\tm\tcube\tcube\t1.5\tanswered", "onset '-1' is not a time"},
       {"2\t-1\ttrial\tm\tcube\tcube\t1.5\tanswered", "duration '-1' is not a time"},
       {"2\t10\ttrial\tm\tcube\tcube\tinf\tanswered", "response_time 'inf' is not a time"},
       {"2\t10\ttrial\tm\tcube\tcube\t1,5\tanswered", "response_time '1,5' is not a time"},

@@ -19,7 +19,7 @@ namespace {
 
 using test::MemoryJournal;
 
-const ScriptedParticipant scripted(0.5, 3);
+const ScriptedParticipant scripted(0.5, 1, 3);
 
 void go_to_the_end(const StudyPlan& plan, MemoryJournal& journal) {
   const std::vector<Entry> before = journal.entries();

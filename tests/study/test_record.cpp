@@ -6,7 +6,9 @@
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/output_file.hpp"
@@ -38,7 +40,7 @@ class RecordTest : public testing::Test {
     const Error error = test::thrown_by([&] {
       rehearse(
           plan_, record.agenda(), {.text = utc_now(), .version = "v", .rehearsal = true},
-          ScriptedParticipant(accuracy, 1),
+          ScriptedParticipant(accuracy, number, 1),
           [&](const Entry& entry) {
             if (++written > entries) throw failure("killed");
             record.add(entry);
@@ -53,6 +55,19 @@ class RecordTest : public testing::Test {
   fs::path file(const std::string& name) const { return folder_ / "sub-01" / name; }
   Study study() const { return read_study(std::vector<std::string>{folder_.string()}); }
 };
+
+TEST_F(RecordTest, EachScriptedParticipantAnswersDifferently) {
+  for (const std::uint32_t number : {1U, 2U, 3U})
+    sit(number, 100'000, 0.5);
+  std::set<std::vector<bool>> all;
+  for (const Participant& participant : study().participants) {
+    std::vector<bool> right;
+    for (const Trial& trial : participant.trials)
+      right.push_back(trial.correct());
+    all.insert(right);
+  }
+  EXPECT_EQ(all.size(), 3U);
+}
 
 TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
   sit(1);

@@ -76,17 +76,25 @@ TEST(Reports, JsonHasTheNumbersAndIsReadBack) {
   EXPECT_TRUE(document["left_out"].empty());
   const auto file = test::scratch_folder("results") / "a.json";
   test::write_text(file, text);
-  const auto tables = read_results(file);
+  std::vector<std::string> left_out;
+  const auto tables = read_results(file, left_out);
+  EXPECT_TRUE(left_out.empty());
   ASSERT_EQ(tables.size(), 2u);
   EXPECT_EQ(tables[1].first, "cross-section");
   EXPECT_EQ(tables[1].second, analysis.results.methods[1].pooled.table);
+  Analysis warned = analysis;
+  warned.study.left_out = {"a.tsv: is a rehearsal"};
+  test::write_text(file, analysis_json(warned));
+  read_results(file, left_out);
+  EXPECT_EQ(left_out, warned.study.left_out);
 }
 
 TEST(Reports, OtherJsonIsRefused) {
   const auto file = test::scratch_folder("results") / "a.json";
   const auto refused = [&](const std::string& text, const std::string& told) {
     test::write_text(file, text);
-    EXPECT_REFUSED(read_results(file), told);
+    std::vector<std::string> left_out;
+    EXPECT_REFUSED(read_results(file, left_out), told);
   };
   const std::string begin = R"({"kind": "palpa study analyse", "shapes": ["a", "b"], "methods": )";
   refused("{}", "\"kind\" is not that of such a file: a JSON file of palpa study analyse is needed");

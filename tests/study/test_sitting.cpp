@@ -37,7 +37,7 @@ class SittingTest : public testing::Test {
   }
   /// Until the next step of this kind is ready.
   void skip_to(Sitting& one, BlockKind kind) {
-    const ScriptedParticipant participant(1, 0);
+    const ScriptedParticipant participant(1, 1, 0);
     while (one.screen() != Screen::ready || one.block().kind != kind)
       participant.go_on(plan_, one, now_);
   }

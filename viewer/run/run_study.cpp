@@ -214,7 +214,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   log::release_warnings();
   const SilentEnd silent_end(setup::Interrupt::flag());
   std::optional<ScriptedKeys> script;
-  if (options.rehearse) script.emplace(*options.rehearse, options.common.seed);
+  if (options.rehearse) script.emplace(*options.rehearse, *options.participant, options.common.seed);
 
   std::optional<ParticipantView> shown_participant;
   std::optional<ExperimenterView> shown_experimenter;

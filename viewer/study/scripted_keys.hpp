@@ -18,7 +18,7 @@ struct ScriptedPress {
 
 class ScriptedKeys {
  public:
-  ScriptedKeys(double accuracy, std::uint64_t seed) : participant_(accuracy, seed) {}
+  ScriptedKeys(double accuracy, std::uint32_t number, std::uint64_t seed) : participant_(accuracy, number, seed) {}
 
   /// What is pressed now, if anything is: the key that the screen asks for, once it can have an effect. A pause was
   /// asked for by somebody, or something has failed: the experimenter stops.

@@ -44,7 +44,7 @@ void run_rehearse(const RehearseCommand& o) {
   setup::try_files(plan);
   const setup::Interrupt interrupt("ended without finishing, one second after the signal: a disk did not answer");
   study::Record record(plan, *o.participant, o.out, true);
-  const study::ScriptedParticipant participant(o.accuracy, o.common.seed);
+  const study::ScriptedParticipant participant(o.accuracy, *o.participant, o.common.seed);
   const study::Entry start{.text = study::utc_now(), .version = version_and_commit(), .rehearsal = true};
   // A rehearsal that has finished is only reported again.
   const bool finished = record.agenda().finished();

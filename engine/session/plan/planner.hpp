@@ -79,8 +79,8 @@ class Planner {
   /// From the next start on; see touch::Stage::set_pose.
   virtual void set_pose(std::uint32_t solid, const Transform& T_world_rest) = 0;
   /// The id of the next new finger, if fingers are followed.
-  virtual std::uint32_t next_id() const = 0;
-  virtual void number_from(std::uint32_t id) = 0;
+  virtual std::uint32_t next_id() const { return 0; }
+  virtual void number_from(std::uint32_t /*id*/) {}
 };
 
 /// `device` computes points and drives; null: the host does. Fingers are the host's in both cases. With a live setting

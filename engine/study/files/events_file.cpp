@@ -63,7 +63,7 @@ std::string read_row(const std::vector<std::string_view>& cells, const Places& p
     return fmt::format("{} '{}' is not a time in seconds, such as 1.25", column_names[column], shown(cell(column)));
   };
   const std::optional<double> begin = parse_number(cell(onset));
-  if (!begin) return not_a_time(onset);
+  if (!begin || *begin < 0) return not_a_time(onset);
   row.onset_s = *begin;
   if (!time(duration, row.duration_s)) return not_a_time(duration);
   if (!time(response_time, row.response_s)) return not_a_time(response_time);

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/text.hpp"
 #include "study/files/trial.hpp"
 
 namespace palpa::study {
@@ -17,6 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t most_bytes = 64 << 20, most_count = 1'000'000'000;
+constexpr std::size_t most_line = 1000;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& fault) {
   throw bad_input(file, fmt::format("{}: a JSON file of palpa study analyse is needed", fault));
@@ -56,7 +58,8 @@ Confusion table_in(const json& method, const std::vector<std::string>& shapes, c
 
 }  // namespace
 
-std::vector<std::pair<std::string, Confusion>> read_results(const std::filesystem::path& path) {
+std::vector<std::pair<std::string, Confusion>> read_results(const std::filesystem::path& path,
+                                                            std::vector<std::string>& left_out) {
   const std::string file = path.string();
   const json document = json::parse(read_file(path, most_bytes), nullptr, false);
   if (!document.is_object() || document.value("kind", json()) != results_kind)
@@ -70,6 +73,9 @@ std::vector<std::pair<std::string, Confusion>> read_results(const std::filesyste
     const json name = method.is_object() ? method.value("name", json()) : json();
     if (!name.is_string()) refuse(file, "\"methods\" has something without a \"name\"");
     tables.emplace_back(name.get<std::string>(), table_in(method, shapes, file));
+  }
+  for (const json& line : document.value("left_out", json::array())) {
+    if (line.is_string()) left_out.push_back(printable(line.get<std::string>(), most_line));
   }
   return tables;
 }

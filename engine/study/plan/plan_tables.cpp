@@ -35,7 +35,9 @@ std::string name_of(TomlTable& table) {
   std::string name = table.text("name");
   const auto bad = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == '\x7f' || c == ',' || c == '"'; };
   if (name.empty() || name.size() > 60 || std::ranges::any_of(name, bad) || name == "n/a")
-    throw table.fault("name", "name must have 1 to 60 bytes, without commas, quotation marks and control characters");
+    throw table.fault(
+        "name",
+        "name must have 1 to 60 bytes, without commas, quotation marks and control characters, and must not be n/a");
   return name;
 }
 

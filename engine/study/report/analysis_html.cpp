@@ -36,7 +36,7 @@ void add_overview(HtmlPage& page, const Analysis& analysis) {
 void add_pair(HtmlPage& page, const Analysis& analysis, const MethodPair& pair) {
   const std::string &a = analysis.study.methods[pair.a], &b = analysis.study.methods[pair.b];
   page.heading(fmt::format("{} minus {}", b, a));
-  if (!pair.excluded.empty()) page.list({excluded_line(analysis, pair), with_excluded_line(pair)});
+  if (!pair.excluded.empty()) page.list(excluded_lines(analysis, pair));
   if (pair.people.empty()) {
     page.paragraph("Nobody has enough trials with both methods, so they are not compared.");
     return;

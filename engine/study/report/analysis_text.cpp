@@ -13,8 +13,8 @@ namespace palpa::study {
 namespace {
 
 void add_excluded(std::string& text, const Analysis& analysis, const MethodPair& pair) {
-  if (pair.excluded.empty()) return;
-  text += "  " + excluded_line(analysis, pair) + "\n  " + with_excluded_line(pair) + "\n";
+  for (const std::string& line : excluded_lines(analysis, pair))
+    text += fmt::format("  {}\n", line);
 }
 
 }  // namespace

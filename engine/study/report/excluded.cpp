@@ -19,7 +19,7 @@ std::uint64_t trials_of(const Analysis& analysis, std::size_t person, std::size_
 
 }  // namespace
 
-std::string excluded_line(const Analysis& analysis, const MethodPair& pair) {
+std::vector<std::string> excluded_lines(const Analysis& analysis, const MethodPair& pair) {
   if (pair.excluded.empty()) return {};
   std::vector<std::string> people;
   people.reserve(pair.excluded.size());
@@ -27,15 +27,14 @@ std::string excluded_line(const Analysis& analysis, const MethodPair& pair) {
     people.push_back(fmt::format("participant {} ({} and {})", analysis.study.participants[person].number,
                                  trials_of(analysis, person, pair.a), trials_of(analysis, person, pair.b)));
   }
-  return fmt::format("left out, because the plan asks for at least {} with each method: {}",
-                     counted(analysis.study.least_trials, "trial"), fmt::join(people, ", "));
-}
-
-std::string with_excluded_line(const MethodPair& pair) {
-  if (!pair.with_excluded) return {};
-  return fmt::format("with them: mean {} of {}, Wilcoxon's test {}", shown(pair.mean_with_excluded),
-                     counted(pair.people.size() + pair.excluded.size(), "participant"),
-                     shown_p(pair.with_excluded->two_sided));
+  std::vector<std::string> lines{fmt::format("left out, because the plan asks for at least {} with each method: {}",
+                                             counted(analysis.study.least_trials, "trial"), fmt::join(people, ", "))};
+  if (pair.with_excluded) {
+    lines.push_back(fmt::format("with them: mean {} of {}, Wilcoxon's test {}", shown(pair.mean_with_excluded),
+                                counted(pair.people_with_excluded, "participant"),
+                                shown_p(pair.with_excluded->two_sided)));
+  }
+  return lines;
 }
 
 }  // namespace palpa::study

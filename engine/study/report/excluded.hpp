@@ -2,14 +2,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "study/analysis.hpp"
 
 namespace palpa::study {
 
-/// Who is left out of the comparison of a pair, and why; empty if nobody is.
-std::string excluded_line(const Analysis& analysis, const MethodPair& pair);
-/// What the comparison would be with them; empty if nobody is left out.
-std::string with_excluded_line(const MethodPair& pair);
+/// Who is left out of the comparison of a pair, and why; what the comparison would be with those of them who used both
+/// methods. Empty if nobody is left out.
+std::vector<std::string> excluded_lines(const Analysis& analysis, const MethodPair& pair);
 
 }  // namespace palpa::study

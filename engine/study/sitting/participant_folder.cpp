@@ -94,7 +94,9 @@ ParticipantFolder participant_folder(const fs::path& study, std::uint32_t number
   find_existing(study, folder);
   if (const fs::file_status there = fs::symlink_status(folder.path, fault);
       fs::exists(there) && !fs::is_directory(there))
-    throw bad_input(folder.path.string(), "is not a folder");
+    throw bad_input(folder.path.string(), fs::is_symlink(there)
+                                              ? "is a link: a participant's folder must be here itself"
+                                              : "is not a folder");
   return folder;
 }
 

@@ -6,6 +6,9 @@
 
 namespace palpa::study {
 
+ScriptedParticipant::ScriptedParticipant(double accuracy, std::uint32_t number, std::uint64_t seed)
+    : accuracy_(accuracy), seed_(Random(seed ^ number * 0xbf58476d1ce4e5b9u).next()) {}
+
 /// A function of the step, not of what was drawn before: a sitting that was interrupted has the same answers.
 std::size_t ScriptedParticipant::answer(const StudyPlan& plan, const Sitting& sitting) const {
   const std::uint32_t index = *sitting.agenda().current();

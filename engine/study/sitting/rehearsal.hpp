@@ -16,8 +16,9 @@ namespace palpa::study {
 /// A participant who follows every instruction, and whose answers are drawn at random.
 class ScriptedParticipant {
  public:
-  /// `accuracy`: the share of right answers in trials and practice.
-  ScriptedParticipant(double accuracy, std::uint64_t seed) : accuracy_(accuracy), seed_(seed) {}
+  /// `accuracy`: the share of right answers in trials and practice. Another `number` of the participant or another
+  /// seed gives other answers.
+  ScriptedParticipant(double accuracy, std::uint32_t number, std::uint64_t seed);
 
   /// Does the next thing that the screen asks for, at the earliest moment, and moves the time there.
   void go_on(const StudyPlan& plan, Sitting& sitting, std::int64_t& now_ns) const;

@@ -91,7 +91,7 @@ class SittingBench {
       pose[3][1] = -finger_depth_m;
       return pose;
     }));
-    script_.emplace(run_.rehearse.value_or(0.5), run_.common.seed);
+    script_.emplace(run_.rehearse.value_or(0.5), 1, run_.common.seed);
     study::EarLevel level;
     level.db = {100, 101};
     level.sounding_s = 10;

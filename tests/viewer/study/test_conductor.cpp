@@ -100,7 +100,7 @@ TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
   study::Record record(bench_->plan(), 1, whole, true);
   const study::Entry start{.text = study::utc_now(), .version = "v", .rehearsal = true};
   EXPECT_TRUE(study::rehearse(
-      bench_->plan(), record.agenda(), start, study::ScriptedParticipant(0.5, 0),
+      bench_->plan(), record.agenda(), start, study::ScriptedParticipant(0.5, 1, 0),
       [&](const study::Entry& entry) { record.add(entry); }, nullptr));
   EXPECT_EQ(answers_in(folder_ / "study"), answers_in(whole));
   EXPECT_EQ(answers_in(whole).size(), 8u);
