@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -62,11 +61,15 @@ bool are_same(const std::vector<array::Transducer>& a, const std::vector<array::
   });
 }
 
-/// The same transducers, moved or not: as far from the first one, to a micrometre.
+/// The same transducers, moved or not: seen from the first one, along its axis and towards the last one.
 bool are_alike(const std::vector<array::Transducer>& a, const std::vector<array::Transducer>& b) {
+  const auto seen = [](const std::vector<array::Transducer>& all, const array::Transducer& one) {
+    const Vec3 place = one.position - all.front().position, last = all.back().position - all.front().position;
+    return Vec3(glm::length(place), glm::dot(place, all.front().axis),
+                glm::dot(glm::cross(last, place), all.front().axis));
+  };
   return std::ranges::equal(a, b, [&](const array::Transducer& one, const array::Transducer& other) {
-    const double from_a = glm::length(one.position - a[0].position);
-    return std::abs(from_a - glm::length(other.position - b[0].position)) < 1e-6;
+    return glm::distance(seen(a, one), seen(b, other)) < 1e-6;
   });
 }
 

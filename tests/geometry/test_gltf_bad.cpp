@@ -76,7 +76,7 @@ TEST(BadGltf, InvalidJsonIsRefused) {
     many += ",0";
   expect_text_faults({{"hello", "neither glTF"},
                       {"{\n\n  \"asset\": }", "syntax error at line 3"},
-                      {R"({"asset": {"version": "2.0"}} trailing)", "syntax error at character 31"},
+                      {R"({"asset": {"version": "2.0"}} trailing)", "syntax error at character 33"},
                       {"{\"a\": \"\xff\xfe\"}", "syntax error"},
                       {"{\"a\": " + std::string(1'000'000, '['), "nested"},
                       {R"({"a": [1e999]})", "its JSON has a number that is out of range"},
