@@ -1,9 +1,13 @@
 // palpa run with a source that a room above the engine adds, such as a camera's.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/support/here.hpp"
+#include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -37,38 +41,26 @@ struct Given final : sensing::DepthSource {
   }
 };
 
-struct Outcome {
-  int code = 0;
-  std::string out, err;
-};
-
-Outcome run(const std::vector<double>& times_s, std::uint16_t depth, const std::vector<std::string>& more) {
-  cli::Extensions extensions;
-  extensions.sources.push_back(
-      {"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
-         auto source = std::make_unique<Given>();
-         source->times_s = times_s;
-         source->depth = depth;
-         return source;
-       }});
-  const std::string cube = source_file("assets/cube.glb").string();
-  std::vector<const char*> argv{"palpa", "run",     "--scene", cube.c_str(),   "--source",
-                                "given", "--stats", "json",    "--every-frame"};
-  for (const std::string& word : more)
-    argv.push_back(word.c_str());
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
-  return outcome;
+Result run_given(const std::vector<double>& times_s, std::uint16_t depth, const std::vector<std::string>& more) {
+  const auto add_source = [&](cli::Extensions& extensions) {
+    extensions.sources.push_back(
+        {"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
+           auto source = std::make_unique<Given>();
+           source->times_s = times_s;
+           source->depth = depth;
+           return source;
+         }});
+  };
+  return palpa_here(with({"run", "--scene", source_file("assets/cube.glb"), "--source", "given", "--stats", "json",
+                          "--every-frame"},
+                         more),
+                    {}, add_source);
 }
 
 TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
   const auto folder = scratch_folder("steps-back") / "take";
-  const Outcome outcome = run({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Result outcome = run_given({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err,
             "palpa: warning: the source's capture times run backwards (from 10.010 s to 0.000 s): they "
             "have to ascend evenly\npalpa: warning: " +
@@ -82,15 +74,15 @@ TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
 TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
   // Half a millimetre below the face, each of the 81 pixels a finger.
   for (const char* backend : {"cpu", "gpu"}) {
-    const Outcome outcome =
-        run({0, 0.01, 0.02}, 3005,
-            {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s", "--backend", backend});
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Result outcome = run_given({0, 0.01, 0.02}, 3005,
+                                     {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s",
+                                      "--backend", backend});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(outcome.err,
               "palpa: warning: 17 of 81 clusters of contacts are left out: palpa uses at most 64 of a frame\n");
     EXPECT_EQ(nlohmann::json::parse(outcome.out)["frames"]["touching"], 3) << backend;
   }
-  const Outcome one = run({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
+  const Result one = run_given({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
   EXPECT_EQ(one.err, "");
   EXPECT_EQ(nlohmann::json::parse(one.out)["frames"]["touching"], 2);
 }
