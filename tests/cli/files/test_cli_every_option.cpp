@@ -136,7 +136,7 @@ TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEveryCommand) {
     expect_failure(palpa_here(line, "/dev/full"), 1, "stdout: cannot be written: No space left on device");
   };
   for (const std::string& command : every_command()) {
-    expect_full(with(as_words(command), {"--help"}));
+    expect_full(with(words_of(command), {"--help"}));
     if (command == "study run") continue;  // needs a display
     const std::vector<std::string> line = lines.of(command);
     if (command == "bench") {

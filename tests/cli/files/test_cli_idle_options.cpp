@@ -8,9 +8,7 @@
 #include <map>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cli/support/every_command.hpp"
@@ -38,18 +36,8 @@ class EveryReviewedLine : public testing::Test {
  protected:
   /// The words of a text, with the folders that it names.
   std::vector<std::string> words_of(const std::string& text) const {
-    std::istringstream in(text);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) {
-      for (const auto& [name, folder] : {std::pair<std::string, fs::path>{"ROOT/", source_file("")},
-                                         {"SCRATCH/", folder_},
-                                         {"OUT/", folder_ / "out"}}) {
-        if (const std::size_t at = word.find(name); at != std::string::npos)
-          word.replace(at, name.size(), (folder / "").string());
-      }
-      words.push_back(word);
-    }
-    return words;
+    return test::words_of(
+        text, {{"ROOT/", source_file("") / ""}, {"SCRATCH/", folder_ / ""}, {"OUT/", folder_ / "out" / ""}});
   }
   /// The line's results. OUT/ is empty before it.
   Results results_of(const std::vector<std::string>& line) const {

@@ -4,10 +4,6 @@
 #include <string>
 
 #include "cli/run_line.hpp"
-#include "cli/support/process.hpp"
-#include "cli/support/terminal.hpp"
-#include "support/pseudo_terminal.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {
@@ -56,21 +52,6 @@ TEST(RunLine, FitsIntoTheTerminal) {
   EXPECT_EQ(run_line(state, 20).size(), 20u);
   EXPECT_EQ(run_line(state, 0), "");
   EXPECT_EQ(run_line(state, 300).find('\x1b'), std::string::npos);
-}
-
-TEST(CliRunLine, IsShownOnATerminalUntilCtrlC) {
-  PALPA_TERMINAL_OR_SKIP();
-  const std::string cube = source_file("assets/cube.glb");
-  Terminal terminal(with({"run", "--scene", cube, "--backend", "cpu"}, small_frames()));
-  EXPECT_TRUE(terminal.shows("\rSOUNDING on null | 1 finger, ")) << terminal.text();
-  EXPECT_TRUE(terminal.shows("\rsilent on null (no array) | no touch")) << terminal.text();
-  EXPECT_TRUE(terminal.shows("Ctrl-C stops")) << terminal.text();
-  terminal.type("\x03");
-  EXPECT_TRUE(terminal.shows("frame to drives: median")) << terminal.text();
-  EXPECT_EQ(terminal.ended_by_signal(), 0);
-  // Nothing of the line is left before the summary.
-  const std::string& text = terminal.text();
-  EXPECT_LT(text.rfind("Ctrl-C stops"), text.rfind("\r\x1b[K"));
 }
 
 }  // namespace
