@@ -149,9 +149,8 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
   const Transform T_world_layout = *truth.array->T_world_layout;
   const Transform elsewhere = T_world_layout * setup::moved_mount(mount, {0.01, 0.005, 0.02}, 90 * degree);
   const std::string source = record("seen", truth, elsewhere);
-  const Result told =
-      palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
-                  file("found.toml"), "--at", "10mm,5mm,20mm", "--turn", "90", "--quiet"});
+  const Result told = palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
+                                  file("found.toml"), "--at", "10mm,5mm,20mm", "--turn", "90", "--quiet"});
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.out + told.err, "");
   expect_poses(sensing::load_rig(file("found.toml")), truth);

@@ -51,9 +51,8 @@ TEST(LongWork, SaysWhatItDoesAndEndsAtOnceOnCtrlCWithoutAFile) {
   geometry::write_ply(folder / "finger.ply", mesh.positions, mesh.triangles);
   scene_of(folder / "ball.glb", bumpy_ball(450));  // prepared within seconds, not within a moment
   scene_of(folder / "bumps.glb", bumps());
-  const Names names{{"CUBE", source_file("assets/cube.glb")},
-                    {"TIP", source_file("assets/finger.ply")},
-                    {"IN/", folder / ""}};
+  const Names names{
+      {"CUBE", source_file("assets/cube.glb")}, {"TIP", source_file("assets/finger.ply")}, {"IN/", folder / ""}};
   const std::string tables = " --csv IN/out/a.csv --json IN/out/a.json",
                     drawn = " --vtu IN/out/a.vtu --png IN/out/a.png",
                     field = "field --layout paper --focus 0,0,0 --plane xy --size 60mm,60mm --pixels 1500,1500" + drawn;

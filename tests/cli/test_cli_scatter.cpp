@@ -179,15 +179,6 @@ TEST(Scatter, WhatMakesResultsLessExactIsToldAndTurnedFacesAreMended) {
   EXPECT_NEAR(lifts(folder() / "turned.ply") / lifts(ply_of("pieces", pieces)), 1, 1e-3);
 }
 
-TEST(Scatter, TheForceFromAfarNeedsAirWithoutSources) {
-  // A long body: its middle is near to the source, its ends are not.
-  const std::string body =
-      ply_of("long", transformed(icosphere(1, 8), [](const Vec3& p) { return p * Vec3(3e-3, 3e-3, 9e-3); }));
-  EXPECT_TRUE(scatter(body, {"--point-source", "8mm,0,0"}).results["force_far_N"].is_null());
-  const json far = scatter(body, {"--point-source", "14mm,0,0"}).results;
-  EXPECT_NEAR(far["force_far_N"][0].get<double>(), far["force_N"][0], 0.02 * std::abs(far["force_N"][0].get<double>()));
-}
-
 TEST(Scatter, WhatIsNoBodyOrNoSoundIsRefused) {
   const geometry::Mesh sphere = icosphere(radius, 4);
   geometry::Mesh open = sphere, crossing = sphere, needle = sphere, swapped = sphere;

@@ -177,8 +177,9 @@ std::vector<double> movements_of(const std::vector<Foci>& frames, int leave_out 
 
 /// Which 95 % of them do not exceed.
 double usual_of(const std::vector<double>& movements) {
-  return movements.empty() ? 0 : movements[static_cast<std::size_t>(
-                                     std::ceil(0.95 * static_cast<double>(movements.size() - 1)))];
+  return movements.empty()
+             ? 0
+             : movements[static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(movements.size() - 1)))];
 }
 
 /// More than `count` movements; 95 % of them are at most `usual`, all at most `most`: metres.
@@ -194,7 +195,7 @@ double lag_of(const std::vector<Foci>& early, const std::vector<Foci>& late) {
   for (std::size_t k = 1; k + 1 < early.size(); ++k) {
     for (const auto& [id, now] : early[k].of_finger) {
       const std::vector<Vec3>*const before = foci_of(early[k - 1], id), *const after = foci_of(early[k + 1], id),
-                        *const same = foci_of(late[k], id);
+                                    *const same = foci_of(late[k], id);
       if (!before || !after || !same) continue;
       const Vec3 velocity = (mean_of(*after) - mean_of(*before)) / (early[k + 1].time_s - early[k - 1].time_s);
       behind += glm::dot(velocity, mean_of(now) - mean_of(*same));

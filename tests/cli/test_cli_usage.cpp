@@ -131,8 +131,7 @@ TEST(Usage, AFullDiskOrAClosedPipeIsAFailure) {
   closed.close_stdout_reader = true;
   for (const auto& line : {drive, with(drive, {"--json", "-"}), with(drive, {"--csv", "-"}), {"--help"}, {"--version"}})
     expect_failure(palpa(line, closed), 1, "Broken pipe");
-  expect_refused(drive, {{{"--json", "/dev/full"}, "/dev/full", 1},
-                         {{"--csv", "/dev/full"}, "/dev/full", 1}});
+  expect_refused(drive, {{{"--json", "/dev/full"}, "/dev/full", 1}, {{"--csv", "/dev/full"}, "/dev/full", 1}});
 }
 
 TEST(Usage, NoUsableDeviceIsExitCode3) {

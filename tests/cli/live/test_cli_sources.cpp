@@ -51,10 +51,10 @@ Result run_given(const std::vector<double>& times_s, std::uint16_t depth, const 
            return source;
          }});
   };
-  return palpa_here(with({"run", "--scene", source_file("assets/cube.glb"), "--source", "given", "--stats", "json",
-                          "--every-frame"},
-                         more),
-                    {}, add_source);
+  return palpa_here(
+      with({"run", "--scene", source_file("assets/cube.glb"), "--source", "given", "--stats", "json", "--every-frame"},
+           more),
+      {}, add_source);
 }
 
 TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
@@ -74,9 +74,9 @@ TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
 TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
   // Half a millimetre below the face, each of the 81 pixels a finger.
   for (const char* backend : {"cpu", "gpu"}) {
-    const Result outcome = run_given({0, 0.01, 0.02}, 3005,
-                                     {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s",
-                                      "--backend", backend});
+    const Result outcome = run_given(
+        {0, 0.01, 0.02}, 3005,
+        {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s", "--backend", backend});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(outcome.err,
               "palpa: warning: 17 of 81 clusters of contacts are left out: palpa uses at most 64 of a frame\n");

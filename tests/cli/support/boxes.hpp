@@ -1,4 +1,4 @@
-// Boxes as glTF models, placed where a test needs a solid, and a ball that takes long to prepare.
+// Boxes as glTF models, placed where a test needs a solid, and a ball that is prepared for seconds.
 #pragma once
 
 #include <filesystem>

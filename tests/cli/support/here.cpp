@@ -108,9 +108,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
         stderr_there(STDERR_FILENO, err);
     alarm(patience_s);
     // On a separate thread: a loop's requests to the system apply to its thread and end with it.
-    std::thread([&] {
-      result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions);
-    }).join();
+    std::thread([&] { result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions); }).join();
     alarm(0);
   }
   if (stdout_file.empty()) result.out = out.text();
