@@ -1,5 +1,5 @@
 // Lines that palpa refuses because of their words or of a small file that they name: one line of error, and its exit
-// code. What is refused beside other options: files/test_cli_idle_options.cpp.
+// code. What is refused beside other options: files/test_cli_every_option.cpp.
 #include <gtest/gtest.h>
 
 #include <filesystem>
