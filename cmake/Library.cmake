@@ -110,7 +110,7 @@ function(palpa_test NAME)
   endif()
   # A driver that compiles on the processor caches its shaders. Tests that start palpa wait until one run has filled the cache;
   # otherwise, the first few topics would all compile the same shaders. Builds with sanitizers use what the build without has cached.
-  if(TEST_LINKS MATCHES "palpa_test_(cli|steady|touch_json)" AND NOT PALPA_SANITIZE)
+  if(TEST_LINKS MATCHES "palpa_test_(cli|touch_json)" AND NOT PALPA_SANITIZE)
     set_tests_properties(${NAME} PROPERTIES FIXTURES_REQUIRED shaders)
   endif()
 endfunction()

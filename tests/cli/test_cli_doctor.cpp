@@ -1,8 +1,15 @@
 // `palpa doctor` on any machine: with or without a GPU, with or without USB.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "cli/commands.hpp"
+#include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "sensing/rig.hpp"
+#include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {
@@ -48,7 +55,7 @@ TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
 }
 
 TEST(Doctor, SpeaksToPeople) {
-  const Result result = palpa({"doctor"});
+  const Result result = palpa_here({"doctor"});
   for (const char* heading : {"GPUs", "Validation layer", "Boards", "Depth cameras"}) {
     EXPECT_NE(result.out.find(heading), std::string::npos) << heading;
   }
@@ -65,6 +72,36 @@ TEST(Doctor, WithoutAGpuItAdvisesAndReturns3) {
   EXPECT_FALSE(json::parse(result.out)["ok"].get<bool>());
   ASSERT_EQ(result.err_lines().size(), 1u) << result.err;
   EXPECT_CONTAINS(result.err, "VK_DRIVER_FILES names /nonexistent.json, which does not exist: correct or unset it");
+}
+
+TEST(Doctor, WritesARigForTheCamerasThatAreThere) {
+  const std::string file = scratch_folder("doctor-rig") / "rig.toml";
+  cli::CamerasThere there{.source = "v4l2:/dev/video0,/dev/video4", .cameras = {}, .problem = "/dev/video6: busy"};
+  const auto doctor = [&](const std::vector<std::string>& more) {
+    return palpa_here(with({"doctor", "--quiet", "--write-rig", file}, more), {},
+                      [&](cli::Extensions& extensions) { extensions.cameras = [&] { return there; }; });
+  };
+  expect_failure(doctor({}), 1, "--write-rig: no depth camera can be opened: /dev/video6: busy");
+  EXPECT_FALSE(std::filesystem::exists(file));
+  for (const char* name : {"A", "B"}) {
+    cli::CameraThere& camera = there.cameras.emplace_back();
+    camera.camera.name = name;
+    camera.camera.width = 640;
+    camera.camera.height = 480;
+    camera.camera.fx = camera.camera.fy = 500;
+    camera.camera.device.own_lens = true;
+    camera.note = "which it is";
+  }
+  EXPECT_EQ(doctor({}).err, "");
+  const sensing::Rig rig = sensing::load_rig(file);
+  ASSERT_EQ(rig.cameras.size(), 2u);
+  EXPECT_EQ(rig.cameras[1].name, "B");
+  EXPECT_TRUE(rig.cameras[1].device.own_lens);
+  EXPECT_EQ(rig.cameras[1].T_world_camera, Transform(1.0));
+  const std::string text = read_text(file);
+  EXPECT_CONTAINS(text, "palpa calibrate --rig " + file + " --layout LAYOUT --source v4l2:/dev/video0,/dev/video4");
+  EXPECT_CONTAINS(text, "T_world_camera is not known yet");
+  expect_failure(doctor({"--source", "synthetic"}), 2, "--source");
 }
 
 }  // namespace

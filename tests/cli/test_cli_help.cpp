@@ -100,7 +100,7 @@ TEST(Help, IsAlsoCompletionForShells) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     for (const std::string& command : every_command()) {
-      EXPECT_NE(result.out.find(as_words(command).back()), std::string::npos) << shell << " " << command;
+      EXPECT_NE(result.out.find(words_of(command).back()), std::string::npos) << shell << " " << command;
       for (const HelpedOption& option : options_of(command))
         EXPECT_NE(result.out.find(option.name.substr(2)), std::string::npos) << shell << " " << command << option.name;
     }

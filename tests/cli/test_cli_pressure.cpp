@@ -1,7 +1,9 @@
 // The loudness of foci: `palpa touch --layout`, the requested pressure, and what a run's or an export's drives give.
+// And the other haptics of a scene's author for one object.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <filesystem>
@@ -15,14 +17,16 @@
 #include "array/layouts/layout.hpp"
 #include "cli/support/boxes.hpp"
 #include "cli/support/cube_touch.hpp"
+#include "cli/support/drive_here.hpp"
+#include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/record_still.hpp"
 #include "geometry/files/ply.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
-#include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
-#include "session/links/record_link.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -81,6 +85,17 @@ TEST(CliPressure, ATouchTellsWhatAnArrayGivesAtItsFociAndNoneOfAnEmptySector) {
   EXPECT_EQ(touched["fingers"][0]["pressure_pa"], least);
 }
 
+/// A file of points: those of the finger model, once for each tip.
+std::string fingers_at(const std::filesystem::path& file, const std::vector<Vec3>& tips) {
+  std::vector<Vec3> points;
+  for (const Vec3& tip : tips) {
+    for (const Vec3& place : geometry::read_ply(asset_file("finger.ply")).positions)
+      points.push_back(place + tip);
+  }
+  geometry::write_ply(file, points);
+  return file;
+}
+
 const Vec3 left_tip(-0.015, -3e-3, 0), right_tip(0.015, -3e-3, 0);
 
 /// Fingers at rest, tips at these places, before the paper's rig: a recording of three frames without noise.
@@ -90,23 +105,13 @@ std::string film(const std::vector<Vec3>& tips) {
   const geometry::Mesh finger{ply.positions, ply.triangles};
   sensing::SyntheticRig cameras(sensing::load_rig(asset_file("rigs/paper.toml")).cameras,
                                 array::board_mesh(posed("paper")), sensing::Noise::none, 1);
-  sensing::RecordingWriter writer(folder, cameras.cameras());
   std::vector<sensing::Posed> hand;
   for (const Vec3& tip : tips) {
     Transform T(1.0);
     T[3] = Vec4(tip, 1);
     hand.push_back({&finger, T});
   }
-  sensing::FrameSet set;
-  cameras.render(hand, 0, set);
-  for (int frame = 0; frame < 3; ++frame) {
-    set.sequence = static_cast<std::uint64_t>(frame);
-    set.time_s = frame / 90.0;
-    for (sensing::DepthFrame& image : set.frames)
-      image.time_s = set.time_s;
-    writer.write(set);
-  }
-  return "recording:" + folder.string();
+  return record_still(folder, cameras.cameras(), cameras, hand, {0, 1 / 90.0, 2 / 90.0});
 }
 const std::string& film_of_two() {
   static const std::string take = film({left_tip, right_tip});
@@ -135,7 +140,7 @@ std::string two_boxes(const geometry::Haptics& left, const geometry::Haptics& ri
 /// warnings of pressures.
 struct Played {
   json fingers, stats;
-  session::DriveRecording drives;
+  std::filesystem::path drives;
   std::string told;
   std::vector<std::string> warnings;
 };
@@ -149,7 +154,7 @@ Played play(const std::string& scene, const std::string& take, const std::vector
   EXPECT_EQ(result.exit_code, 0) << result.err;
   Played played{.fingers = {},
                 .stats = json::parse(read_text(folder / "stats.json")),
-                .drives = session::read_drive_recording(drives),
+                .drives = drives,
                 .told = result.out,
                 .warnings = result.err_lines()};
   std::erase_if(played.warnings, [](const std::string& line) { return line.find(" Pa of the ") == std::string::npos; });
@@ -176,11 +181,9 @@ double pressure_of(const array::Layout& layout, const array::Drive& drive, const
 }
 
 /// The slots in which something sounds.
-std::vector<session::RecordedDrive> sounding(const Played& played) {
-  std::vector<session::RecordedDrive> loud = played.drives.drives;
-  std::erase_if(loud, [](const session::RecordedDrive& one) {
-    return std::ranges::all_of(one.drive, [](const auto& transducer) { return transducer.amplitude == 0; });
-  });
+std::vector<session::RecordedDrive> sounding(const std::filesystem::path& drives) {
+  std::vector<session::RecordedDrive> loud = read_to_silence(drives).drives;
+  std::erase_if(loud, [](const session::RecordedDrive& one) { return loudest(one.drive) == 0; });
   EXPECT_FALSE(loud.empty());
   return loud;
 }
@@ -189,7 +192,7 @@ std::vector<session::RecordedDrive> sounding(const Played& played) {
 std::pair<double, double> heard(const array::Layout& layout, const Played& played, std::size_t finger) {
   const json& f = played.fingers.at(finger);
   double least = 1e9, most = 0;
-  for (const auto& [slot, drive] : sounding(played)) {
+  for (const auto& [slot, drive] : sounding(played.drives)) {
     const auto& step = f["order"][slot % f["order"].size()];
     for (const auto& focus : step.is_array() ? step : json::array({step})) {
       const double pressure = pressure_of(layout, drive, point(f["foci_m"][focus.get<std::size_t>()]));
@@ -247,13 +250,6 @@ TEST(CliPressure, AnUnreachableOneLowersNobodyElse) {
   EXPECT_CONTAINS(both.told, "of the 100000 Pa asked for");
 }
 
-TEST(CliPressure, TogetherEachFocusHasItOfTheWholeSoundAndACeilingComesAfter) {
-  const Played half = play(two_boxes({}, {}), film({left_tip}),
-                           {"--backend", "cpu", "--pressure", "500Pa", "--method", "multi-focus", "--layout", "openmpd",
-                            "--modulation-frequency", "0", "--ceiling", "0.5"});
-  expect_heard(posed("openmpd"), half, 0, 250);
-}
-
 TEST(CliNulls, OfFramesLieInTheWorld) {
   const array::Layout layout = posed("openmpd");
   const std::string drives = scratch_folder("nulls-run") / "drives.bin";
@@ -261,9 +257,7 @@ TEST(CliNulls, OfFramesLieInTheWorld) {
       palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}), "--every-frame", "--backend",
                   "cpu", "--layout", "openmpd", "--null", "30mm,10mm,0", "--link", "record:" + drives});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  const Played played{.drives = session::read_drive_recording(drives)};
-  ASSERT_FALSE(sounding(played).empty());
-  for (const auto& [slot, drive] : sounding(played)) {
+  for (const auto& [slot, drive] : sounding(drives)) {
     // Near the tip it sounds a thousand times louder.
     EXPECT_LT(1e3 * pressure_of(layout, drive, {0.03, 0.01, 0}), pressure_of(layout, drive, left_tip)) << slot;
   }
@@ -274,14 +268,8 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
   asks.pressure_pa = 800;
   asks.intensity = 0.5;
   const std::filesystem::path folder = scratch_folder("asked");
-  const std::string file = folder / "touch.json", points = folder / "fingers.ply", scene = two_boxes({}, asks);
-  // A fingertip in each of the two boxes.
-  std::vector<Vec3> both;
-  for (const Vec3& tip : {left_tip, right_tip}) {
-    for (const Vec3& place : geometry::read_ply(asset_file("finger.ply")).positions)
-      both.push_back(place + tip);
-  }
-  geometry::write_ply(points, both);
+  const std::string file = folder / "touch.json", scene = two_boxes({}, asks),
+                    points = fingers_at(folder / "fingers.ply", {left_tip, right_tip});
   const auto touch_of = [&](const std::vector<std::string>& more) {
     const json touch =
         touch_report(with({"touch", "--scene", scene, "--points", points, "--backend", GetParam()}, more));
@@ -341,27 +329,93 @@ TEST(CliPressure, AboveTenKilopascalsLinearAcousticsEnds) {
   }
 }
 
-TEST(CliPressure, WhatCannotBeIsRefused) {
-  geometry::Haptics asks;
-  asks.pressure_pa = 5e3;
-  const std::string asking = two_boxes({}, asks), who = "\"right\" asks for a pressure";
-  const auto run = [](const std::string& scene, const std::vector<std::string>& more) {
-    return with({"run", "--scene", scene}, more);
-  };
-  const std::vector<std::string> loud = run(asset_file("cube.glb"), {"--pressure", "8kPa"});
+class CliHaptics : public testing::Test {
+ protected:
+  /// The example's scene with other wishes for its knob, and the finger model twice, a millimetre into the button and
+  /// into the knob.
+  std::vector<std::string> touch_with(const geometry::Haptics& knob, const std::string& backend = "cpu") const {
+    auto meshes = geometry::load_gltf(asset_file("button-and-knob.glb")).meshes;
+    meshes.at(1).haptics = knob;
+    geometry::write_glb(scene_, meshes);
+    const std::string fingers = fingers_at(folder_ / "fingers.ply", {{0, -0.001, 0}, {0.08, -0.001, 0}});
+    return {"touch", "--scene", scene_, "--points", fingers, "--backend", backend};
+  }
+
+  const std::filesystem::path folder_ = scratch_folder("haptics");
+  const std::string scene_ = folder_ / "scene.glb";
+};
+
+TEST_F(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
+  geometry::Haptics own;
+  own.foci = 8;
+  own.dwell_s = 0.002;
+  own.intensity = 0.7;
+  for (const char* backend : {"gpu", "cpu"}) {
+    const json touch = touch_report(touch_with(own, backend));
+    ASSERT_EQ(touch["fingers"].size(), 2U);
+    EXPECT_EQ(touch["schedule"]["order"], (json{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
+    const json &button = touch["fingers"][0], &knob = touch["fingers"][1];
+    EXPECT_EQ(button["solid"], "button");
+    EXPECT_EQ(button["foci_m"].size(), 10U);
+    EXPECT_FALSE(button.contains("schedule"));
+    EXPECT_EQ(button["gain"], 0.5);
+    EXPECT_EQ(knob["solid"], "knob");
+    EXPECT_EQ(knob["foci_m"].size(), 8U);
+    EXPECT_EQ(knob["schedule"], (json{{"order", {0, 3, 6, 1, 4, 7, 2, 5}}, {"dwell_s", 0.002}}));
+    EXPECT_EQ(knob["gain"], 0.7);
+
+    // Slot 2 of 1.5 ms: the button's third focus, the knob's second.
+    const std::string file = folder_ / "touch.json";
+    write_text(file, touch.dump());
+    const json drive = drive_here({"--layout", "paper", "--touch", file, "--slot", "2"}, backend).report;
+    EXPECT_EQ(drive["gains"], (json{0.5, 0.7}));
+    using Place = std::array<float, 3>;
+    EXPECT_EQ(drive["foci_m"].get<std::vector<Place>>(), (std::vector<Place>{button["foci_m"][6], knob["foci_m"][3]}));
+  }
+}
+
+TEST_F(CliHaptics, StiffnessIsTheGainOfATouch) {
+  geometry::Haptics soft;
+  soft.stiffness = std::vector<geometry::DepthForce>{{0, 0}, {0.004, 1}};
+  const json touch = touch_report(touch_with(soft));
+  EXPECT_NEAR(touch["fingers"][1]["gain"].get<double>(), 0.5, 0.01) << "1 mm of 4 mm: a quarter";
+}
+
+TEST_F(CliHaptics, ClicksAndTexturesThatAreNotFeltAsIntendedAreWarnedOf) {
+  geometry::Haptics loud, quiet, rough;
+  loud.press_depth_m = 0.003;
+  loud.click.emplace();
+  quiet = loud;
+  quiet.intensity = 0.5;
+  rough.texture = {1, 1, 0};  // its 30 Hz have room in slow drives
   const struct {
-    std::vector<std::string> line;
-    int code;
-    std::string part;
-  } wrong[]{{with(loud, {"--constraint", "normalise"}), 2, "--constraint"},
-            {with(loud, {"--solver", "greedy"}), 2, "greedy"},
-            {run(asset_file("cube.glb"), {"--pressure", "0"}), 2, "above 0"},
-            {run(asset_file("cube.glb"), {"--pressure", "101kPa"}), 2, "100kPa"},
-            {run(asking, {"--constraint", "clamp"}), 2, who},
-            {run(asking, {"--solver", "greedy"}), 2, who},
-            {cube_touch({"--layout", "nowhere"}), 4, "nowhere"}};
-  for (const auto& [line, code, part] : wrong)
-    expect_failure(palpa_here(line), code, part);
+    geometry::Haptics knob;
+    std::vector<std::string> options;
+    std::string told;  ///< of the knob
+  } cases[]{{{}, {}, ""},
+            {loud, {}, "scene.glb: mesh \"knob\" has a gain of 1 at its press depth, so 20 ms of silence come"},
+            {quiet, {}, ""},
+            {quiet, {"--dwell", "2ms"}, ""},
+            {quiet, {"--dwell", "2.49ms"}, "drives of 2.49 ms are too long for them: give a dwell of at most 2 ms"},
+            {rough, {"--dwell", "4ms"}, ""}};
+  for (const auto& [knob, options, told] : cases) {
+    const Result result = palpa_here(with(touch_with(knob), options));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("knob") == std::string::npos, told.empty()) << result.err;
+    EXPECT_CONTAINS(result.err, told);
+  }
+}
+
+TEST_F(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
+  geometry::Haptics nine;
+  nine.foci = 9;
+  const std::vector<std::string> touch = touch_with(nine);
+  const std::string fault = "node 'knob': stride 3 and 9 foci share the divisor 3";
+  const std::vector<std::string> stride{"--stride", "3"};
+  expect_failure(palpa_here(with(touch, stride)), 4, fault);
+  expect_failure(palpa_here(with({"run", "--scene", scene_, "--frames", "3"}, stride)), 4, fault);
+  EXPECT_EQ(palpa_here(with(touch, {"--stride", "7"})).exit_code, 0);
+  EXPECT_EQ(touch_report(touch)["fingers"][1]["schedule"]["order"], (json{0, 2, 4, 6, 8, 1, 3, 5, 7}));
 }
 
 }  // namespace

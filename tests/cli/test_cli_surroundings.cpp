@@ -70,11 +70,6 @@ TEST_F(Surroundings, BoardsThatReachIntoTheObjectAreNoSkinUnlessKept) {
   EXPECT_FALSE(exported({"--scene", hand, "--rig", rig, "--keep-boards", "--quiet"}, &err, 1).contains("dropped"));
   EXPECT_EQ(err, "");
   EXPECT_GT(deepest(), without_boards + 5e-3) << "a false touch deep inside";
-
-  write_text(in("bare.toml"), "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
-  expect_refused({"export", "--scene", cube, "--layout", in("bare.toml"), "--frames", "1", "--events", "-",
-                  "--keep-boards", "--backend", "cpu"},
-                 {{{}, "has no boards to keep"}});
 }
 
 TEST_F(Surroundings, ScreenAndRoomDropWhatIsThere) {
@@ -136,8 +131,6 @@ TEST_F(Surroundings, ABackgroundThatWasLearnedIsNoSkin) {
              read_text(in("quiet.toml")).replace(read_text(in("quiet.toml")).find("front left"), 10, "front right"));
   expect_refused({"run", "--scene", cube, "--rig", in("other.toml"), "--frames", "1"},
                  {{{}, "quiet-front-left.png: is of the camera front left", 4}});
-  expect_refused({"calibrate", "--background", "--rig", rig, "--frames", "5"},
-                 {{{}, "a background is learned from 10 to 1000"}});
 }
 
 }  // namespace

@@ -97,6 +97,7 @@ TEST_F(CliTour, EveryLineRunsOrSaysWhatItNeeds) {
         terminal->type("\x03");
         EXPECT_EQ(terminal->ended_by_signal(), 0);
         EXPECT_NE(terminal->text().find("frame to drives: median"), std::string::npos) << terminal->text();
+        EXPECT_LT(terminal->text().rfind("Ctrl-C stops"), terminal->text().rfind("\r\x1b[K")) << "the line is left";
         EXPECT_EQ(terminal->text().find("palpa: error"), std::string::npos) << terminal->text();
       }
     } else {

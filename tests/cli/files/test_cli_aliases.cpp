@@ -7,7 +7,6 @@
 #include <map>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -75,20 +74,11 @@ class CliAliases : public testing::Test {
                "[[shape]]\nname = \"a\"\nmodel = \"scene.gltf\"\n[[shape]]\nname = \"b\"\nmodel = \"scene.gltf\"\n"
                "[[method]]\nname = \"single-focus\"\nlayout = \"layout.toml\"\n"
                "[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 30\n");
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-      if (entry.is_regular_file()) contents_[entry.path()] = read_text(entry.path());
-    }
+    contents_ = contents_of(folder_);
   }
 
   std::vector<std::string> words_of(const std::string& text) const {
-    std::istringstream in(text);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) {
-      if (const std::size_t at = word.find("IN/"); at != std::string::npos) word.replace(at, 2, folder_.string());
-      if (word.starts_with("LOG")) word.replace(0, 3, log_);
-      words.push_back(word);
-    }
-    return words;
+    return test::words_of(text, {{"IN/", folder_ / ""}, {"LOG", log_}});
   }
   std::vector<OutputOption> outputs_of(const Line& line) const {
     std::vector<OutputOption> outputs;
@@ -112,14 +102,14 @@ class CliAliases : public testing::Test {
     SCOPED_TRACE(testing::PrintToString(words));
     expect_failure(palpa_here(words), 2, part);
     for (const auto& [file, text] : contents_)
-      ASSERT_EQ(read_text(file), text) << file;
+      ASSERT_EQ(read_text(folder_ / file), text) << file;
     for (const char* name : {"new", "new.json", "new.stl"})
       ASSERT_FALSE(fs::exists(folder_ / name)) << "an output was created";
   }
 
   const fs::path folder_ = scratch_folder("aliases");
   const std::string log_ = "study/sub-1/beh/sub-1_task-shapes_run-1";
-  std::map<fs::path, std::string> contents_;
+  std::map<std::string, std::string> contents_;
 };
 
 const std::string gltf = "scene.gltf picture.png corners.bin", rig = "mask.png layout.toml rig.toml",

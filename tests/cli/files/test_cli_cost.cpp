@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/support/boxes.hpp"
 #include "cli/support/process.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/gltf_builder.hpp"
@@ -119,11 +120,7 @@ TEST_F(Cost, OfAModelTooLongForItsClusters) {
 
 TEST_F(Cost, OfAMillionTriangles) {
   if (instrumented()) GTEST_SKIP() << "skipped: a sanitizer changes the use of memory";
-  const int rings = exhaustive() ? 700 : 150;
-  Mesh ball = sphere(0.05, rings, rings);
-  for (Vec3& p : ball.positions)
-    p *= 1 + 0.1 * std::sin(120 * p.x) * std::sin(130 * p.y);
-  EXPECT_EQ(touch(ball).exit_code, 0);
+  EXPECT_EQ(touch(bumpy_ball(exhaustive() ? 700 : 150)).exit_code, 0);
 }
 
 TEST_F(Cost, OfWhatASyntheticSourceRenders) {

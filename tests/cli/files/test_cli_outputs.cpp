@@ -1,12 +1,9 @@
-// Outputs are rejected before long work, and end as promised on a full disk. All messages about them are short and
-// printable. test_cli_aliases.cpp shows that none takes the place of an input or of another.
+// Outputs are rejected before long work. All messages about them are short and printable. test_cli_aliases.cpp shows
+// that none takes the place of an input or of another.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cmath>
-#include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -14,21 +11,17 @@
 #include <vector>
 
 #include "base/text.hpp"
+#include "cli/support/boxes.hpp"
+#include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
-#include "cli/support/terminal.hpp"
 #include "cli/support/told.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
-#include "session/links/record_link.hpp"
-#include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
-#include "support/pseudo_terminal.hpp"
-#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "support/time_limits.hpp"
 
 namespace palpa::test {
 namespace {
@@ -48,14 +41,6 @@ class CliOutputs : public testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  /// Every file and folder with its bytes.
-  std::vector<std::pair<std::string, std::string>> contents() const {
-    std::vector<std::pair<std::string, std::string>> all;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_))
-      all.emplace_back(entry.path().string(), entry.is_regular_file() ? read_text(entry.path()) : "");
-    std::sort(all.begin(), all.end());
-    return all;
-  }
   std::vector<std::string> touch(const std::vector<std::string>& more) const {
     return with({"touch", "--scene", scene_, "--points", points_, "--backend", "cpu", "--penetration", "3mm"}, more);
   }
@@ -64,9 +49,9 @@ class CliOutputs : public testing::Test {
   }
   /// The lines are refused, and every file is unchanged.
   void expect_untouched(const std::vector<std::string>& line, const std::vector<Told>& all) const {
-    const auto before = contents();
+    const auto before = contents_of(folder_);
     expect_refused(line, all);
-    EXPECT_TRUE(contents() == before);
+    EXPECT_TRUE(contents_of(folder_) == before);
   }
 };
 
@@ -82,9 +67,7 @@ TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
   fs::create_directory(path("used"));
   fs::create_directory(path("empty"));
   write_text(path("used/notes.txt"), "mine");
-  expect_untouched(run({"--record"}), {{{path("used")}, "is not empty; name a new folder"},
-                                       {{path("used/")}, "is not empty; name a new folder"},
-                                       {{path("used/notes.txt")}, "name a new folder", 1},
+  expect_untouched(run({"--record"}), {{{path("used/notes.txt")}, "name a new folder", 1},
                                        {{path("no/such")}, path("no/such") + ": cannot be written: ", 1},
                                        {{path("empty"), "--json", path("empty/times.csv")}, "lies in the folder"}});
   EXPECT_EQ(palpa_here(run(with(small_frames(), {"--record", path("empty/")}))).exit_code, 0);
@@ -101,10 +84,7 @@ TEST_F(CliOutputs, OnStdoutAreAlone) {
   const Result drives = palpa(run(with(small_frames(), {"--link", "record:-"})));
   ASSERT_EQ(drives.exit_code, 0) << drives.err;
   write_text(path("drives.bin"), drives.out);
-  const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
-  ASSERT_FALSE(recording.drives.empty());
-  for (const array::TransducerDrive& last : recording.drives.back().drive)
-    ASSERT_EQ(last.amplitude, 0);
+  read_to_silence(path("drives.bin"));
   const std::string told = "would mix on stdout";
   expect_untouched({"decompose", "--scene", scene_, "--out", "-", "--json", "-"}, {{{}, told}});
   expect_untouched(run({"--link", "record:-"}),
@@ -125,63 +105,16 @@ TEST_F(CliOutputs, AnyNameOfStdoutIsStdout) {
   }
 }
 
-TEST_F(CliOutputs, DrivesEndSilentlyWhereTheDiskIsFull) {
-  constexpr std::size_t header = 24, record = 8 + 3984 * 8;
-  Result result;
-  {
-    const FileSizeLimit full(header + 20 * record + 77);
-    result = palpa(with({"run", "--scene", scene_, "--frames", "60", "--hold", "1s", "--backend", "cpu", "--link",
-                         "record:" + path("drives.bin")},
-                        small_frames()));
-  }
-  expect_failure(result, 1, path("drives.bin") + ": cannot be written: File too large");
-  const session::DriveRecording recording = session::read_drive_recording(path("drives.bin"));
-  ASSERT_EQ(recording.drives.size(), 20u);
-  for (const array::TransducerDrive& last : recording.drives.back().drive)
-    ASSERT_EQ(last.amplitude, 0);
-}
-
-/// Prepared within seconds, not within a moment.
-geometry::SceneMesh bumpy_ball(int rings) {
-  geometry::Mesh ball = sphere(0.05, rings, rings);
-  for (Vec3& p : ball.positions)
-    p *= 1 + 0.1 * std::sin(120 * p.x) * std::sin(130 * p.y);
-  return {"ball", std::move(ball)};
-}
-
-TEST_F(CliOutputs, LongPreparationSaysWhatItDoesAndStopsOnCtrlC) {
-  PALPA_TERMINAL_OR_SKIP();
-  const geometry::SceneMesh ball = bumpy_ball(450);
-  geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
-  const auto before = contents();
-  setenv("PALPA_CACHE", "off", 1);
-  Terminal touch(
-      {"touch", "--scene", path("ball.glb"), "--points", points_, "--backend", "cpu", "--json", path("out.json")}),
-      run({"run", "--scene", path("ball.glb"), "--backend", "cpu", "--link", "record:" + path("drives.bin")});
-  for (const char* part : {"checking mesh \"ball\" of 404100 triangles", "preparing mesh \"ball\": ", " %"}) {
-    for (Terminal* terminal : {&touch, &run})
-      EXPECT_TRUE(terminal->shows(part)) << terminal->text();
-  }
-  for (Terminal* terminal : {&touch, &run}) {
-    terminal->type("\x03");
-    EXPECT_EQ(terminal->ended_by_signal(), SIGINT) << terminal->text();
-    EXPECT_LT(terminal->processor_s_to_end(), slowest);
-    EXPECT_TRUE(contents() == before) << "nothing was written";
-  }
-  unsetenv("PALPA_CACHE");
-}
-
 TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
-  const geometry::SceneMesh ball = bumpy_ball(instrumented() ? 80 : 110);  // takes a few tenths of a second
+  const geometry::SceneMesh ball{"ball", bumpy_ball(instrumented() ? 80 : 110)};  // a few tenths of a second
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   const std::vector<std::string> with_ball{"touch",     "--scene", path("ball.glb"), "--points", points_,
                                            "--backend", "cpu",     "--json",         "-"};
-  const RunOptions fresh{.environment = {{"PALPA_CACHE", "off"}}};
-  const Result told = palpa(with(with_ball, {"--log-level", "info"}), fresh);
+  const Result told = palpa_here(with(with_ball, {"--log-level", "info"}));
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_CONTAINS(told.err, "palpa: info: ");
   EXPECT_CONTAINS(told.err, "preparing mesh \"ball\"");
-  EXPECT_EQ(palpa(with_ball, fresh).err, "");
+  EXPECT_EQ(palpa_here(with_ball).err, "");
 }
 
 TEST_F(CliOutputs, MessagesAreShortAndPrintable) {

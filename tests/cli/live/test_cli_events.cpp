@@ -1,4 +1,5 @@
-// `palpa run --events` and --hold: a recording of a few pixels, whose touches can be worked out by hand.
+// `palpa run` with few pixels: --events and --hold of a recording whose touches can be worked out by hand, and a source
+// that a room above the engine adds, such as a camera's.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,15 +7,22 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <memory>
+#include <optional>
+#include <span>
 #include <sstream>
+#include <string>
+#include <vector>
 
+#include "cli/commands.hpp"
+#include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "geometry/gltf/write.hpp"
 #include "sensing/recording.hpp"
-#include "session/links/record_link.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -27,29 +35,12 @@ constexpr double focal = 300;   // a pixel is a millimetre there
 constexpr int centre = 16;
 constexpr double unit_m = 1e-4;
 
-/// A box whose front face fills the picture, as glTF with its extras.
-std::filesystem::path button(const std::filesystem::path& folder, const std::string& extras) {
-  const auto file = folder / "button.gltf";
-  const float low[3] = {-0.1F, -0.1F, static_cast<float>(near_m)}, high[3] = {0.1F, 0.1F, 0.4F};
-  float corners[8][3];
-  for (int c = 0; c < 8; ++c) {
-    for (int axis = 0; axis < 3; ++axis)
-      corners[c][axis] = (c >> axis & 1) ? high[axis] : low[axis];
-  }
-  const std::uint16_t faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  std::ofstream bin(folder / "button.bin", std::ios::binary);
-  bin.write(reinterpret_cast<const char*>(corners), sizeof(corners));
-  bin.write(reinterpret_cast<const char*>(faces), sizeof(faces));
-  std::ofstream(file)
-      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"button",)"
-      << R"("mesh":0,"extras":{"palpa":)" << extras << R"(}}],"meshes":[{"primitives":[{"attributes":)"
-      << R"({"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":8,)"
-      << R"("type":"VEC3","min":[-0.1,-0.1,0.3],"max":[0.1,0.1,0.4]},{"bufferView":1,)"
-      << R"("componentType":5123,"count":36,"type":"SCALAR"}],"bufferViews":[{"buffer":0,)"
-      << R"("byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":72}],)"
-      << R"("buffers":[{"uri":"button.bin","byteLength":168}]})";
-  return file;
+/// The file of a box whose front face fills the picture.
+std::string button(const std::filesystem::path& folder, std::optional<double> press_depth_m) {
+  geometry::SceneMesh mesh{"button", box({-0.1, -0.1, near_m}, {0.1, 0.1, 0.4})};
+  mesh.haptics.press_depth_m = press_depth_m;
+  geometry::write_glb(folder / "button.glb", std::span(&mesh, 1));
+  return folder / "button.glb";
 }
 
 /// A fingertip of five by five pixels: its rim and its middle, so many tenths of a millimetre below the button's face.
@@ -144,7 +135,7 @@ void expect_wanted(const std::string& text) {
 
 struct Stage {
   std::filesystem::path folder = scratch_folder("events");
-  std::string scene = button(folder, R"({"press_depth_m":0.003})").string();
+  std::string scene = button(folder, 0.003);
   std::string source = "recording:" + take(folder).string();
 
   std::vector<std::string> run(const std::vector<std::string>& more) const {
@@ -179,7 +170,7 @@ TEST(CliEvents, ARecordingGivesTheEventsThatWereWorkedOut) {
 
 TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   const auto folder = scratch_folder("hold");
-  const std::string scene = button(folder, "{}").string();
+  const std::string scene = button(folder, {});
   sensing::RecordingWriter(folder / "one", {eye()}).write(frame_of(light, 0, 0));
   // Slots from the first drive that sounds to the last one.
   const auto sounding = [&](const std::string& hold) {
@@ -189,9 +180,8 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
                                       "--link", "record:" + drives, "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<std::uint64_t> slots;
-    for (const session::RecordedDrive& recorded : session::read_drive_recording(drives).drives) {
-      if (std::any_of(recorded.drive.begin(), recorded.drive.end(), [](const auto& t) { return t.amplitude > 0; }))
-        slots.push_back(recorded.slot);
+    for (const session::RecordedDrive& recorded : read_to_silence(drives).drives) {
+      if (loudest(recorded.drive) > 0) slots.push_back(recorded.slot);
     }
     return slots.empty() ? 0.0 : 1.5e-3 * static_cast<double>(slots.back() - slots.front());
   };
@@ -202,12 +192,76 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   EXPECT_GT(longer, 0.3);
 }
 
-TEST(CliEvents, AClosedPipeIsAnError) {
-  RunOptions closed;
-  closed.close_stdout_reader = true;
-  const Result result = palpa(Stage().run({"--backend", "cpu", "--events", "-"}), closed);
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(result.err, "palpa: error: stdout: cannot be written: Broken pipe\n");
+/// Looks down on the cube's face at y = 0 from 0.3 m above; a pixel sees 3 mm of it.
+sensing::Camera above() {
+  sensing::Camera camera{.name = "above", .width = 9, .height = 9, .fx = 100, .fy = 100, .cx = 4, .cy = 4};
+  camera.depth_unit_m = 1e-4;
+  camera.T_world_camera = Transform(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0.3, 0, 1);
+  return camera;
+}
+
+/// Frames at given times, all of the same depths.
+struct Given final : sensing::DepthSource {
+  std::vector<sensing::Camera> rig{above()};
+  std::vector<double> times_s;
+  std::uint16_t depth = 0;
+  std::size_t given = 0;
+
+  const std::vector<sensing::Camera>& cameras() const override { return rig; }
+  bool next(sensing::FrameSet& out, double) override {
+    if (given == times_s.size()) return false;
+    out.frames.resize(1);
+    out.frames[0].depth.assign(std::size_t{rig[0].width} * rig[0].height, depth);
+    out.frames[0].time_s = out.time_s = times_s[given];
+    out.sequence = given++;
+    return true;
+  }
+};
+
+Result run_given(const std::vector<double>& times_s, std::uint16_t depth, const std::vector<std::string>& more) {
+  const auto add_source = [&](cli::Extensions& extensions) {
+    extensions.sources.push_back(
+        {"given", "given  frames of the test's", [&](const std::string&, const session::SourceSetting&) {
+           auto source = std::make_unique<Given>();
+           source->times_s = times_s;
+           source->depth = depth;
+           return source;
+         }});
+  };
+  return palpa_here(
+      with({"run", "--scene", source_file("assets/cube.glb"), "--source", "given", "--stats", "json", "--every-frame"},
+           more),
+      {}, add_source);
+}
+
+TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
+  const auto folder = scratch_folder("steps-back") / "take";
+  const Result outcome = run_given({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err,
+            "palpa: warning: the source's capture times run backwards (from 10.010 s to 0.000 s): they "
+            "have to ascend evenly\npalpa: warning: " +
+                folder.string() + ": 2 of 5 frames are missing, because the source's clock stepped back\n");
+  const auto stats = json::parse(outcome.out);
+  EXPECT_EQ(stats["frames"]["planned"], 5);
+  EXPECT_EQ(stats["frames"]["unrecorded"], 2);
+  EXPECT_EQ(sensing::load_recording(folder).entries.size(), 3u);
+}
+
+TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
+  // Half a millimetre below the face, each of the 81 pixels a finger.
+  for (const char* backend : {"cpu", "gpu"}) {
+    const Result outcome = run_given(
+        {0, 0.01, 0.02}, 3005,
+        {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s", "--backend", backend});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err,
+              "palpa: warning: 17 of 81 clusters of contacts are left out: palpa uses at most 64 of a frame\n");
+    EXPECT_EQ(json::parse(outcome.out)["frames"]["touching"], 3) << backend;
+  }
+  const Result one = run_given({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
+  EXPECT_EQ(one.err, "");
+  EXPECT_EQ(json::parse(one.out)["frames"]["touching"], 2);
 }
 
 }  // namespace

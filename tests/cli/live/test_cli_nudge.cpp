@@ -15,9 +15,9 @@
 #include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/record_still.hpp"
 #include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
-#include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "support/files.hpp"
@@ -73,23 +73,14 @@ class Nudge : public testing::Test {
       const geometry::Mesh mesh{finger.positions, finger.triangles};
       const sensing::Posed posed{&mesh, glm::translate(Transform(1.0), Vec3(0, -0.003, 0))};
       sensing::SyntheticRig synthetic(rig.cameras, {}, sensing::Noise::none, 1);
-      sensing::RecordingWriter writer(folder / "still", rig.cameras), stuck(folder / "stuck", rig.cameras);
-      sensing::FrameSet set;
-      for (int i = 0; i < 24; ++i) {
-        synthetic.render(std::span(&posed, 1), static_cast<std::uint64_t>(i), set);
-        set_time(set, i / 90.0);
-        writer.write(set);
-        if (i == 22) set_time(set, 1000);
-        if (i >= 21 && i < 23) stuck.write(set);
-      }
+      std::vector<double> times_s;
+      for (int i = 0; i < 24; ++i)
+        times_s.push_back(i / 90.0);
+      record_still(folder / "still", rig.cameras, synthetic, std::span(&posed, 1), times_s);
+      record_still(folder / "stuck", rig.cameras, synthetic, std::span(&posed, 1), {0, 1000});
       return folder;
     }();
     return made;
-  }
-  static void set_time(sensing::FrameSet& set, double time_s) {
-    for (sensing::DepthFrame& frame : set.frames)
-      frame.time_s = time_s;
-    set.time_s = time_s;
   }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
   static std::string recording(const char* take) { return "recording:" + (takes() / take).string(); }
@@ -144,16 +135,10 @@ TEST_F(Nudge, NothingIsSavedWithoutEnter) {
   EXPECT_NE(left.out.find("nothing is saved"), std::string::npos);
   expect_failure(palpa_here(nudge("right*2")), 1, "before Enter");
   expect_failure(palpa_here(nudge("wait*1000")), 1, "before Enter");  // the recording ends first
+  std::vector<std::string> without_keys = nudge("right");
+  without_keys.resize(without_keys.size() - 2);
+  expect_failure(palpa_here(without_keys), 2, "stdin is not a terminal");
   EXPECT_FALSE(std::filesystem::exists(file("nudged.toml")));
-}
-
-TEST_F(Nudge, RefusesWhatCannotBeMeant) {
-  std::vector<std::string> line = nudge("right");
-  line.resize(line.size() - 2);
-  expect_failure(palpa(line), 2, "stdin is not a terminal");
-  expect_failure(palpa_here(nudge("rigth")), 2, "unknown key 'rigth'");
-  expect_failure(palpa_here({"calibrate", "--nudge", "--keys", "enter"}), 2, "--out is missing");
-  expect_failure(palpa_here(with(nudge("enter"), {"--at", "0,0,0"})), 2, "--at");
 }
 
 /// A shell that runs it on a terminal, and then says how the terminal is.

@@ -12,7 +12,6 @@
 #include "sensing/recording.hpp"
 #include "session/watch/stats.hpp"
 #include "setup/live_run.hpp"
-#include "support/files.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -33,24 +32,17 @@ class CliRecording : public testing::Test {
                  "--every-frame"},
                 more);
   }
-  std::vector<std::pair<std::string, std::string>> contents() const {
-    std::vector<std::pair<std::string, std::string>> all;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_))
-      all.emplace_back(entry.path().string(), entry.is_regular_file() ? read_text(entry.path()) : "");
-    std::ranges::sort(all);
-    return all;
-  }
   void expect_untouched(const std::vector<std::string>& line, const std::string& part) {
-    const auto before = contents();
+    const auto before = contents_of(folder_);
     expect_failure(palpa_here(line), 2, part);
-    EXPECT_TRUE(contents() == before) << testing::PrintToString(line);
+    EXPECT_TRUE(contents_of(folder_) == before) << testing::PrintToString(line);
   }
 
   fs::path folder_ = scratch_folder("cli-recording");
 };
 
 TEST_F(CliRecording, HasEveryFrameOfALiveRun) {
-  const Result result = palpa_here(run({"--frames", "90", "--record", path("take")}));
+  const Result result = palpa_here(run({"--frames", "90", "--hold", "auto", "--record", path("take")}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err.find(path("take")), std::string::npos) << result.err;
   EXPECT_TRUE(result.out.starts_with(path("take") + ": all 90 frames are recorded\n")) << result.out;
@@ -80,7 +72,7 @@ TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
   }
   // A new folder is as good, and a run that cannot begin replaces nothing.
   EXPECT_EQ(palpa_here(run({"--frames", "1", "--record", path("new"), "--overwrite"})).exit_code, 0);
-  const auto before = contents();
+  const auto before = contents_of(folder_);
   expect_failure(palpa_here(run({"--frames", "1", "--record", path("take"), "--overwrite", "--link", "nobody"})), 2,
                  "nobody");
   fs::create_directory(path("empty"));
@@ -88,7 +80,7 @@ TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
     expect_failure(palpa_here(run({"--record", path(name), "--link", "foci:udp:nowhere"})), 2,
                    "link foci takes udp:HOST:PORT");
   fs::remove(path("empty"));  // which must be empty
-  EXPECT_TRUE(contents() == before);
+  EXPECT_TRUE(contents_of(folder_) == before);
 }
 
 TEST_F(CliRecording, NeverReplacesWhatIsNotARecordingOrIsPlayed) {

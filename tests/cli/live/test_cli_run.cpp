@@ -1,5 +1,5 @@
 // The live loop: its messages, its data, and that it always ends in silence. Where signals, disks and limits matter, it
-// is the real program.
+// is the real program. And the line in which it shows its state on a terminal.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -10,17 +10,20 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <string>
 
+#include "cli/run_line.hpp"
 #include "cli/support/boxes.hpp"
+#include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
-#include "session/links/record_link.hpp"
 #include "support/begins.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
+#include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
 
 namespace palpa::test {
@@ -32,21 +35,8 @@ std::string cube() {
   return source_file("assets/cube.glb").string();
 }
 
-bool silent(const array::Drive& drive) {
-  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0 && t.phase == 0; });
-}
-
-/// Every file of a folder with its bytes.
-std::vector<std::pair<std::string, std::string>> contents(const std::filesystem::path& folder) {
-  std::vector<std::pair<std::string, std::string>> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    std::ifstream in(entry.path(), std::ios::binary);
-    files.emplace_back(std::filesystem::relative(entry.path(), folder).string(),
-                       std::string(std::istreambuf_iterator<char>(in), {}));
-  }
-  std::sort(files.begin(), files.end());
-  return files;
+bool sounds(const session::RecordedDrive& recorded) {
+  return loudest(recorded.drive) > 0;
 }
 
 TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
@@ -62,13 +52,11 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
   for (const char* pass : {"skin count", "clusters", "foci", "drives"})
     EXPECT_TRUE(stats["passes_ms"].contains(pass)) << pass;
 
-  const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");
+  const session::DriveRecording recording = read_to_silence(folder / "d.bin");
   EXPECT_EQ(recording.transducers, 3984u);
   EXPECT_EQ(recording.slot_s, 1.5e-3);
   ASSERT_GT(recording.drives.size(), 10u);
-  EXPECT_TRUE(silent(recording.drives.back().drive));
-  EXPECT_FALSE(
-      std::all_of(recording.drives.begin(), recording.drives.end(), [](const auto& d) { return silent(d.drive); }));
+  EXPECT_TRUE(std::ranges::any_of(recording.drives, sounds));
   for (std::size_t i = 1; i < recording.drives.size(); ++i) {
     ASSERT_GT(recording.drives[i].slot, recording.drives[i - 1].slot);
   }
@@ -106,9 +94,7 @@ TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
   EXPECT_NE(result.err.find("compiling shaders"), std::string::npos) << "users do not learn what they wait for";
   // The source is real time: frames that wait for a compiler are replaced, and what is planned for them comes too late.
   EXPECT_GT(json::parse(result.out)["frames"]["planned"], 0);
-  const session::DriveRecording recording = session::read_drive_recording(folder / "d.bin");
-  EXPECT_TRUE(
-      std::any_of(recording.drives.begin(), recording.drives.end(), [](const auto& d) { return !silent(d.drive); }));
+  EXPECT_TRUE(std::ranges::any_of(read_to_silence(folder / "d.bin").drives, sounds));
 }
 
 /// Waits until so many more bytes than `before` are in the file that a run records its drives in.
@@ -137,9 +123,7 @@ void expect_silent_end(const std::vector<std::string>& options, const std::vecto
   }
   const LiveRun::End end = run.wait(60);
   EXPECT_TRUE(end.in_order()) << "signal " << signals.front() << ": " << end.exit_code << ' ' << end.by_signal;
-  const session::DriveRecording recording = session::read_drive_recording(file);
-  ASSERT_FALSE(recording.drives.empty());
-  EXPECT_TRUE(silent(recording.drives.back().drive)) << "signal " << signals.front();
+  read_to_silence(file);
 }
 
 TEST(CliRun, SignalsEndItInSilence) {
@@ -162,49 +146,30 @@ TEST(CliRun, SignalsEndItInTimeHoweverLongItsSlotsAndItsRamp) {
   side_by_side({while_it_ramps, within_a_slot});
 }
 
-/// What `palpa run` streams to a link of foci, line by line.
-std::vector<json> foci_lines(std::vector<std::string> arguments) {
-  const UdpReceiver receiver(std::chrono::milliseconds(50));  // who sends has ended before anybody looks
-  arguments.insert(arguments.begin(), {"run", "--scene", cube(), "--quiet", "--link", "foci:" + receiver.address()});
-  const Result result = palpa_here(arguments);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  std::vector<json> lines;
-  for (std::string text; !(text = receiver.next()).empty();)
-    lines.push_back(json::parse(text));
-  return lines;
-}
-
-/// The first finger of the first line that has one; null where none has.
-json first_finger(const std::vector<json>& lines) {
-  for (const json& line : lines) {
-    if (!line["fingers"].empty()) return line["fingers"][0];
-  }
-  return nullptr;
-}
-
-float loudest(const array::Drive& drive) {
-  float loud = 0;
-  for (const auto& transducer : drive)
-    loud = std::max(loud, transducer.amplitude);
-  return loud;
-}
-
 TEST(CliRun, ACeilingMultipliesAmplitudesAndGains) {
   const auto file = scratch_folder("ceiling") / "d.bin";
   const std::vector<std::string> options =
       with({"--frames", "30", "--every-frame", "--hold", "1s", "--ceiling", "0.25"}, small_frames());
-  const Result result = palpa_here(with({"run", "--scene", cube(), "--link", "record:" + file.string()}, options));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto play_to = [&](const std::string& link) {
+    const Result result = palpa_here(with({"run", "--scene", cube(), "--quiet", "--link", link}, options));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  };
+  play_to("record:" + file.string());
   float most = 0;
-  for (const auto& sent : session::read_drive_recording(file).drives)
+  for (const auto& sent : read_to_silence(file).drives)
     most = std::max(most, loudest(sent.drive));
   EXPECT_EQ(most, 0.25F) << "a drive's largest amplitude is 1 without a ceiling";
 
-  const std::vector<json> lines = foci_lines(options);
+  const UdpReceiver receiver(std::chrono::milliseconds(50));  // who sends has ended before anybody looks
+  play_to("foci:" + receiver.address());
+  std::vector<json> lines;
+  for (std::string text; !(text = receiver.next()).empty();)
+    lines.push_back(json::parse(text));
   ASSERT_GT(lines.size(), 5u);
   EXPECT_TRUE(lines.back()["fingers"].empty());
-  const json finger = first_finger(lines);
-  ASSERT_FALSE(finger.is_null());
+  const auto first = std::ranges::find_if(lines, [](const json& line) { return !line["fingers"].empty(); });
+  ASSERT_NE(first, lines.end());
+  const json finger = (*first)["fingers"][0];
   EXPECT_EQ(finger["gain"], 0.25);
   EXPECT_EQ(finger["solid"], "cube");
   EXPECT_EQ(finger["foci_m"].size(), 10u);
@@ -218,56 +183,24 @@ TEST(CliRun, ARampTakesAmplitudesUpAndDown) {
                                          "--ramp", "15ms", "--link", "record:" + file.string()},
                                         small_frames()));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const session::DriveRecording recording = session::read_drive_recording(file);
   float last = 0, most = 0;
-  for (const auto& sent : recording.drives) {
+  for (const auto& sent : read_to_silence(file).drives) {
     const float loud = loudest(sent.drive);
     EXPECT_LT(std::abs(loud - last), 0.11F) << "slot " << sent.slot << ": a ramp of ten slots";
     most = std::max(most, loud);
     last = loud;
   }
   EXPECT_EQ(most, 1.0F);
-  EXPECT_TRUE(silent(recording.drives.back().drive));
-}
-
-TEST(CliRun, FociThatStandStillAreModulatedAsAsked) {
-  const auto expect_modulation = [](int hz, const std::vector<std::string>& asked) {
-    const std::vector<std::string> line{"--frames",  "20",  "--every-frame", "--hold",      "1s",
-                                        "--backend", "cpu", "--method",      "single-focus"};
-    const json finger = first_finger(foci_lines(with(with(line, small_frames()), asked)));
-    ASSERT_FALSE(finger.is_null());
-    EXPECT_EQ(finger["modulation_hz"], hz);
-    EXPECT_EQ(finger.contains("modulation"), hz != 0);
-  };
-  expect_modulation(200, {});
-  expect_modulation(150, {"--modulation-frequency", "150Hz"});
-  expect_modulation(0, {"--modulation-frequency", "0"});
-}
-
-TEST(CliRun, WithAllSkinInsideInTheClustersBothBackendsFeelTheSame) {
-  std::string cpu, gpu;
-  const auto run = [](const char* backend, std::string& events) {
-    const Result result = palpa_here({"run", "--scene", cube(), "--backend", backend, "--cluster", "inside", "--frames",
-                                      "12", "--every-frame", "--events", "-"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    events = result.out;
-  };
-  run("cpu", cpu);
-  run("gpu", gpu);
-  EXPECT_NE(cpu.find("\"touch\""), std::string::npos);
-  EXPECT_EQ(cpu, gpu);
 }
 
 TEST(CliRun, FramesWithoutNoiseAreTheSameFromAnySeedAndComeBackBitForBit) {
   const auto folder = scratch_folder("noise");
   const auto frames = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> line{
-        "run",           "--scene", cube(), "--backend", "cpu", "--frames", "2", "--record", (folder / name).string(),
-        "--every-frame", "--quiet"};
-    line.insert(line.end(), more.begin(), more.end());
-    const Result result = palpa_here(line);
+    const Result result = palpa_here(with({"run", "--scene", cube(), "--backend", "cpu", "--frames", "2", "--record",
+                                           folder / name, "--every-frame", "--quiet"},
+                                          more));
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    return contents(folder / name);
+    return contents_of(folder / name);
   };
   const auto clean = frames("clean", {"--noise-free", "--seed", "1"});
   EXPECT_GE(clean.size(), 2u * 3);
@@ -301,40 +234,9 @@ TEST(CliRun, AFileThatMayNotGrowIsAnErrorAndStillSilence) {
                                       {{where_assets_are()}});
     const bool file = result.err.find("cannot be written: File too large") != std::string::npos;
     expect_failure(result, 1, file ? "cannot be written" : "ulimit -f");
+    if (file && output.ends_with("record:")) read_to_silence(folder / blocks);
   };
   side_by_side({[&] { fails("400", "--link record:"); }, [&] { fails("4", "--backend cpu --record "); }});
-}
-
-TEST(CliRun, RefusesWhatItCannotRun) {
-  const auto folder = scratch_folder("refused");
-  const std::string empty = "recording:" + folder.string();
-  const struct {
-    std::vector<std::string> options;
-    int code;
-    const char* told;
-  } table[]{{{"--source", "telepathy"}, 2, "unknown source 'telepathy'"},
-            {{"--link", "piano"}, 2, "unknown link 'piano'"},
-            {{"--stride", "5"}, 2, "stride"},
-            {{"--ceiling", "1.5"}, 2, "--ceiling: '1.5' is out of range"},
-            {{"--ramp", "2s"}, 2, "--ramp: '2s' is out of range"},
-            {{"--hold", "auto", "--every-frame"}, 2, "--every-frame"},
-            {{"--hold", "autumn"}, 2, "'autumn' is not a time"},
-            {{"--source", empty}, 4, "recording.toml"},
-            {{"--source", empty, "--noise-free"}, 2, "--noise-free goes with --source synthetic"},
-            {{"--parts", "8"}, 2, "--parts goes with --surface parts"},
-            {{"--internal-faces", "drop"}, 2, "--internal-faces goes with"},
-            {{"--rig", "none.toml"}, 4, "none.toml"},
-            {{"--layout", "none"}, 4, "none"},
-            {{"--gpu", "no such GPU"}, 3, "no such GPU"}};
-  for (const auto& [options, code, told] : table)
-    expect_failure(palpa_here(with({"run", "--scene", cube()}, options)), code, told);
-  expect_failure(palpa_here({"run"}), 2, "--scene is missing");
-  expect_failure(palpa_here({"run", "--scene", "none.glb"}), 4, "none.glb");
-  expect_failure(palpa_here({"export", "--scene", cube(), "--hold", "auto", "--frames", "1", "--foci", "-"}), 2,
-                 "palpa run");
-  const Result auto_hold =
-      palpa_here({"run", "--scene", cube(), "--hold", "auto", "--backend", "cpu", "--frames", "2", "--quiet"});
-  EXPECT_EQ(auto_hold.exit_code, 0) << auto_hold.err;
 }
 
 TEST(CliRun, AnOverloadedLoopSaysSo) {
@@ -354,6 +256,22 @@ TEST(CliRun, AnOverloadedLoopSaysSo) {
   EXPECT_NE(late.err.find("palpa: warning: overloaded: the time from frame to drives is"), std::string::npos)
       << late.err;
   EXPECT_NE(late.err.find("longer than the hold of 5 ms"), std::string::npos) << late.err;
+}
+
+// docs/solvers.md, "On fingers that move".
+TEST(CliRun, ComputesFociOnTheFingersThatTouch) {
+  const Result result = palpa_here({"run", "--scene", cube(), "--layout", "openmpd", "--backend", "cpu", "--frames",
+                                    "270", "--transfer", "finger", "--stats", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json transfer = json::parse(result.out)["transfer"];
+  EXPECT_GE(transfer["touching"], 1);
+  EXPECT_LE(transfer["frames"], transfer["touching"]);
+  EXPECT_EQ(transfer["took_ms"]["count"], transfer["answers"].get<int>() + transfer["not_found"].get<int>());
+  // On a busy machine, no answer may come in these seconds.
+  if (transfer["answers"] > 0) {
+    EXPECT_GE(transfer["gain"]["least"], 0.95);
+    EXPECT_LE(transfer["gain"]["median"], 3.0);
+  }
 }
 
 TEST(CliBench, ChecksThenMeasures) {
@@ -386,6 +304,51 @@ TEST(CliBench, MeasuresWhatLinksCost) {
   EXPECT_GT(rows[0]["value"], 0) << "% of a core";
   EXPECT_EQ(rows[1]["stage"], "drive to wire");
   EXPECT_GT(rows[1]["p99_ms"], 0);
+}
+
+using cli::run_line;
+using cli::RunState;
+
+TEST(RunLine, SaysWhatHappens) {
+  RunState state{.link = "openmpd:A", .frames = 45, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 2};
+  state.depth_m = 1.42e-3;
+  state.sounds = true;
+  EXPECT_EQ(run_line(state, 100),
+            "SOUNDING on openmpd:A | 2 fingers, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
+  state.sounds = false;
+  state.fingers = 1;
+  state.of = 90;
+  EXPECT_EQ(run_line(state, 100),
+            "silent on openmpd:A | 1 finger, 1.4 mm deep | 45 of 90 frames, 90/s, 4.2 ms | Ctrl-C stops");
+  state.stuck = true;
+  EXPECT_CONTAINS(run_line(state, 140), "MAY SOUND on openmpd:A, which takes no drives | 1 finger");
+  state.stuck = false;
+  state.fingers = 0;
+  state.rate_hz = 0;
+  state.of = 0;
+  state.link = "null";
+  EXPECT_EQ(run_line(state, 100), "silent on null (no array) | no touch | no frames now | Ctrl-C stops");
+  state.to_be_recorded = 3;
+  EXPECT_EQ(run_line(state, 100), "silent | writing the recording: 3 frames left | Ctrl-C stops");
+}
+
+TEST(RunLine, FitsIntoTheTerminal) {
+  RunState usual{.link = "null", .frames = 45, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 1};
+  usual.depth_m = 1.42e-3;
+  usual.sounds = true;
+  EXPECT_EQ(run_line(usual, 100),
+            "SOUNDING on null (no array) | 1 finger, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
+  EXPECT_EQ(run_line(usual, 79), "SOUNDING on null | 1 finger, 1.4 mm deep | 90 frames/s, 4.2 ms | Ctrl-C stops");
+  RunState board{.link = "openmpd:EMU1", .frames = 45, .of = 300, .rate_hz = 89.8, .latency_s = 4.24e-3, .fingers = 2};
+  board.depth_m = 1.42e-3;
+  board.sounds = true;
+  EXPECT_EQ(run_line(board, 85), "SOUNDING on openmpd:EMU1 | 2 fingers, 1.4 mm | 45/300, 90/s, 4.2 ms | Ctrl-C stops");
+  EXPECT_EQ(run_line(board, 70), "SOUNDING | 2 fingers, 1.4 mm | 45/300, 90/s, 4.2 ms | Ctrl-C stops");
+  RunState state{.link = std::string(300, 'x') + "\x1b[2J", .frames = 1, .rate_hz = 90, .fingers = 64};
+  state.of = 1'000'000;
+  EXPECT_EQ(run_line(state, 20).size(), 20u);
+  EXPECT_EQ(run_line(state, 0), "");
+  EXPECT_EQ(run_line(state, 300).find('\x1b'), std::string::npos);
 }
 
 }  // namespace

@@ -1,22 +1,17 @@
-// Signals at unusual moments, to a loop that plays to an emulated board: the last bytes on the board's wire, the
-// processes that are left, and the files that it read.
+// Signals at unusual moments, to a loop that plays to an emulated board: the last bytes on the board's wire, and the
+// processes that are left.
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <chrono>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <thread>
-#include <tuple>
 #include <vector>
 
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
-#include "cli/support/tiny_files.hpp"
 #include "driver/openmpd/emulation.hpp"
 #include "support/begins.hpp"
 #include "support/files.hpp"
@@ -168,65 +163,6 @@ TEST(CliSignals, ALoopThatIsKilledLeavesNoGuard) {
     loop.signal(SIGKILL);
     EXPECT_EQ(loop.wait(60).by_signal, SIGKILL);
     stage.expect_silent_and_alone();
-  }
-}
-
-/// What must stay as it is of a file: its inode, mode, size and time of change, and its contents.
-using Kept = std::tuple<ino_t, mode_t, off_t, std::int64_t, std::string>;
-
-std::map<fs::path, Kept> files_in(const fs::path& folder) {
-  std::map<fs::path, Kept> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    struct stat status {};
-    EXPECT_EQ(lstat(entry.path().c_str(), &status), 0);
-    const std::int64_t changed_ns = std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
-    files[entry.path()] = {status.st_ino, status.st_mode, status.st_size, changed_ns,
-                           entry.is_regular_file() ? read_text(entry.path()) : ""};
-  }
-  return files;
-}
-
-TEST(CliSignals, HoweverALoopEndsItsInputsAreAsTheyWere) {
-  const Stage stage("inputs");
-  const fs::path inputs = stage.folder() / "inputs";
-  fs::create_directories(inputs / "boards");
-  fs::create_directories(inputs / "take");
-  fs::copy_file(source_file("assets/cube.glb"), inputs / "scene.glb");
-  fs::copy_file(source_file("assets/finger.ply"), inputs / "finger.ply");
-  sensing::write_png8(inputs / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
-  write_text(inputs / "layout.toml",
-             "[[unit]]\ntype = \"openmpd\"\nposition_m = [0, 0, 0]\nquaternion_wxyz = [1, 0, 0, 0]\n");
-  write_text(inputs / "rig.toml",
-             std::string(tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
-  write_depth(inputs / "take/depth-0.png");
-  write_recording(inputs / "take/recording.toml", "files = [\"depth-%d.png\"]\n");
-  for (const auto& entry : fs::recursive_directory_iterator(inputs)) {
-    if (entry.is_regular_file()) fs::permissions(entry.path(), fs::perms(0640));
-  }
-  fs::permissions(inputs / "finger.ply", fs::perms(0444));
-  const auto before = files_in(inputs);
-  const auto in = [&](const char* name) { return (inputs / name).string(); };
-  for (const std::string& source : {"synthetic:" + in("finger.ply"), "recording:" + in("take")}) {
-    for (const std::optional<int> signal : {std::optional<int>(), std::optional(SIGTERM), std::optional(SIGKILL)}) {
-      SCOPED_TRACE(source + " " + (signal ? strsignal(*signal) : "no signal"));
-      std::vector<std::string> line{"--scene",       in("scene.glb"),
-                                    "--rig",         in("rig.toml"),
-                                    "--source",      source,
-                                    "--link",        "openmpd:EMU1",
-                                    "--board-files", in("boards"),
-                                    "--backend",     "cpu",
-                                    "--event-move",  "0",
-                                    "--events",      (stage.folder() / "events").string()};
-      if (!signal) line.insert(line.end(), {"--frames", "2"});
-      LiveRun loop(line, stage.options("run"));
-      if (signal) {
-        loop.wait(source.starts_with("recording") ? 0.1 : 1.5);  // a recording of one frame ends soon
-        loop.signal(*signal);
-      }
-      EXPECT_TRUE(loop.wait(60).ended);
-      stage.expect_silent_and_alone();
-      EXPECT_TRUE(files_in(inputs) == before);
-    }
   }
 }
 

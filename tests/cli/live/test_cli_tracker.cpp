@@ -1,4 +1,4 @@
-// Hands from a tracker on the command line: runs, exports, refusals, and the registration of the tracker.
+// Hands from a tracker on the command line: runs, exports, and the registration of the tracker.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,6 @@ class Tracker : public testing::Test {
     sensing::Rig rig = sensing::load_rig(source_file("tests/cli/support/small_rig.toml"));
     rig.T_world_joints = true_pose();
     write_text(file("rig.toml"), sensing::to_toml(rig));
-    write_text(file("bad.jsonl"), test::line_of({1, {}}) + "\nhand\n");
     write_text(file("dip.jsonl"), lines_of(dip(Transform(1.0))));
     write_text(file("posed.jsonl"), lines_of(dip(glm::inverse(true_pose()))));
   }
@@ -114,47 +113,6 @@ TEST_F(Tracker, StandsWhereTheRigSays) {
   ASSERT_NEAR(static_cast<double>(here.size()), static_cast<double>(posed.size()), 2);
   EXPECT_LT(glm::distance(here[10], posed[10]), 0.5e-3);
   EXPECT_LT(glm::distance(here.back(), posed.back()), 0.5e-3);
-}
-
-TEST_F(Tracker, RefusesWhatItCannotDo) {
-  const std::string cube = source_file("assets/cube.glb"), hands = "joints:" + file("dip.jsonl");
-  const std::string rig = source_file("tests/cli/support/small_rig.toml");
-  const auto run = [&](const std::string& source, const std::vector<std::string>& more = {}) {
-    return with({"run", "--scene", cube, "--source", source, "--backend", "cpu"}, more);
-  };
-  write_text(file("flat.toml"),
-             "[joints]\nT_world_joints = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]\n");
-  write_text(file("key.toml"), "[joints]\nT_world_camera = [[1, 0, 0, 0]]\n");
-  const struct {
-    std::vector<std::string> line;
-    int code;
-    const char* told;
-  } table[]{
-      {run("joints"), 2, "needs a port or a file"},
-      {run("joints:udp:0"), 2, "joints:udp:9000"},
-      {run("joints:udp:127.0.0.1"), 2, "joints:udp:9000"},
-      {run("joints:udp:192.0.2.1:9000"), 1, "cannot listen"},
-      {run("joints:" + file("none.jsonl")), 4, "none.jsonl"},
-      {run("joints:" + file("bad.jsonl")), 4, "bad.jsonl: line 2: "},
-      {run(hands, {"--rig", file("flat.toml")}), 4, "T_world_joints"},
-      {run(hands, {"--rig", file("key.toml")}), 4, "T_world_joints"},
-      {run(hands, {"--finger-width", "20mm"}), 2, "--finger-width goes with depth cameras"},
-      {run(hands, {"--hysteresis", "on"}), 2, "--hysteresis goes with depth cameras"},
-      {run(hands, {"--keep-boards"}), 2, "--keep-boards goes with depth cameras"},
-      {run(hands, {"--transfer", "finger"}), 2, "--transfer finger goes with depth cameras"},
-      {run(hands, {"--record", file("take")}), 2, "--record goes with depth cameras"},
-      {run(hands, {"--noise-free"}), 2, "--noise-free goes with --source synthetic"},
-      {{"export", "--scene", cube, "--source", "joints:udp:9000", "--foci", file("x.csv")}, 2, "does not end"},
-      {{"calibrate", "--rig", rig, "--source", hands}, 2, "has no depth images"},
-      {{"calibrate", "--background", "--rig", rig, "--source", hands}, 2, "has no depth images"},
-      {{"calibrate", "--nudge", "--scene", cube, "--source", hands, "--keys", "enter", "--out", file("x.toml")},
-       2,
-       "--scene goes with cameras"},
-      {{"doctor", "--write-rig", file("x.toml"), "--source", hands}, 2, "give recording:DIR or bag:FILE"},
-  };
-  for (const auto& [line, code, told] : table)
-    expect_failure(palpa_here(line), code, told);
-  EXPECT_FALSE(std::filesystem::exists(file("take")));
 }
 
 // ---- the registration ---------------------------------------------------------------------------------------------

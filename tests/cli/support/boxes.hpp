@@ -1,4 +1,4 @@
-// Boxes as glTF models, placed where a test needs a solid.
+// Boxes as glTF models, placed where a test needs a solid, and a ball that is prepared for seconds.
 #pragma once
 
 #include <filesystem>
@@ -18,6 +18,9 @@ struct TiltedBox {
   double half_along, half_across, depth;
 };
 geometry::SceneMesh make_box(const TiltedBox& box);
+
+/// A concave ball, 10 cm wide, of about 2 rings^2 triangles.
+geometry::Mesh bumpy_ball(int rings);
 
 void write_boxes(const std::filesystem::path& file, const std::vector<TiltedBox>& boxes);
 

@@ -34,13 +34,8 @@ std::vector<std::string> every_command() {
   return commands;
 }
 
-std::vector<std::string> as_words(const std::string& command) {
-  std::istringstream words(command);
-  return {std::istream_iterator<std::string>(words), {}};
-}
-
 bool is_of(const std::vector<std::string>& line, const std::string& command) {
-  const std::vector<std::string> words = as_words(command);
+  const std::vector<std::string> words = words_of(command);
   return line.size() >= words.size() && std::equal(words.begin(), words.end(), line.begin());
 }
 
@@ -74,20 +69,23 @@ std::vector<HelpedOption> options_of(const std::string& command) {
 }
 
 QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder_ / "cache") {
-  const std::string scene = source_file("assets/cube.glb"), finger = source_file("assets/finger.ply");
-  const std::string pebble = folder_ / "pebble.ply", tip = folder_ / "tip.ply", recording = folder_ / "recording";
-  const geometry::Mesh ball = geometry::icosphere(1e-3, 4);
-  geometry::write_ply(pebble, ball.positions, ball.triangles);
-  const geometry::Mesh rounded_tip =
-      transformed(geometry::icosphere(2e-3, 4), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
-  geometry::write_ply(tip, rounded_tip.positions, rounded_tip.triangles);
+  const std::string scene = source_file("assets/cube.glb");
+  names_ = {{"CUBE", scene},
+            {"FINGER", source_file("assets/finger.ply")},
+            {"SMALL", source_file("tests/cli/support/small_rig.toml")},
+            {"STUDIES/", source_file("assets/studies/")},
+            {"IN/", folder_ / ""}};
+  const auto write = [&](const char* name, const geometry::Mesh& mesh, double up) {
+    const geometry::Mesh moved = transformed(mesh, [&](const Vec3& p) { return p + Vec3(0, up, 0); });
+    geometry::write_ply(folder_ / name, moved.positions, moved.triangles);
+  };
+  write("pebble.ply", geometry::icosphere(1e-3, 4), 0);
+  write("tip.ply", geometry::icosphere(2e-3, 4), 2e-3);
   // The observer's finger, with which the shapes of its plan can be told apart.
-  const std::string fingertip = folder_ / "fingertip.ply";
-  const geometry::Mesh round = transformed(sphere(2e-3, 8, 12), [](const Vec3& p) { return p + Vec3(0, 2e-3, 0); });
-  geometry::write_ply(fingertip, round.positions, round.triangles);
-  const Result recorded = palpa(with(
-      {"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record", recording, "--quiet"},
-      small_frames()));
+  write("fingertip.ply", sphere(2e-3, 8, 12), 2e-3);
+  const Result recorded = palpa(with({"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu",
+                                      "--record", folder_ / "recording", "--quiet"},
+                                     small_frames()));
   EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
   std::filesystem::create_directories(folder_ / "withdrawn/sub-02");
@@ -95,52 +93,39 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder
              "[[shape]]\nname = \"a\"\nmodel = \"palpa:cube.glb\"\n[[shape]]\nname = \"b\"\n"
              "model = \"palpa:prism.glb\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
              "[level]\nceiling = 0.05\n");
-  write_small_plan(folder_ / "study-plan.toml", scene, source_file("assets/prism.glb"));
-  lines_ = {
-      {"doctor", {"doctor", "--backend", "cpu"}},
-      {"touch", {"touch", "--scene", scene, "--points", finger, "--penetration", "3mm", "--backend", "cpu"}},
-      {"run",
-       {"run", "--scene", scene, "--source", "recording:" + recording, "--frames", "3", "--every-frame", "--hold",
-        "10ms", "--backend", "cpu"}},
-      {"export",
-       {"export", "--scene", scene, "--source", "recording:" + recording, "--backend", "cpu", "--foci",
-        folder_ / "foci.csv"}},
-      {"link",
-       {"link", "test", "--layout", "openmpd", "--link", "null", "--each", "1ms", "--rest", "0", "--last", "1"}},
-      {"calibrate", {"calibrate", "--rig", source_file("tests/cli/support/small_rig.toml"), "--frames", "2"}},
-      {"drive", {"drive", "--layout", "openmpd", "--focus", "0,0,100mm", "--backend", "cpu"}},
-      {"field",
-       {"field", "--layout", "openmpd", "--focus", "0,0,100mm", "--plane", "xz", "--size", "20mm,20mm", "--pixels",
-        "4,4", "--backend", "cpu"}},
-      {"scatter", {"scatter", "--mesh", pebble, "--point-source", "0,0,100mm", "--backend", "cpu"}},
-      {"simulate",
-       {"simulate", "--scene", scene, "--finger", tip, "--penetration", "1mm", "--layout", "openmpd", "--backend",
-        "cpu"}},
-      {"afferents",
-       {"afferents", "--scene", scene, "--finger", tip, "--penetration", "1mm", "--layout", "openmpd", "--duration",
-        "20ms", "--backend", "cpu"}},
-      {"decompose", {"decompose", "--scene", scene, "--out", folder_ / "parts.glb"}},
-      {"study analyse", {"study", "analyse", folder_ / "study"}},
-      {"study compare", {"study", "compare", "paper"}},
-      {"study level", {"study", "level", folder_ / "level.toml"}},
-      {"study plan", {"study", "plan", source_file("assets/studies/five-minutes.toml")}},
-      {"study power", {"study", "power", "--people", "8", "--studies", "100"}},
-      {"study rehearse",
-       {"study", "rehearse", source_file("assets/studies/five-minutes.toml"), "--participant", "1", "--out",
-        folder_ / "rehearsed"}},
-      {"study run",
-       {"study", "run", source_file("assets/studies/five-minutes.toml"), "--participant", "1", "--out", folder_ / "run",
-        "--rehearse", "1"}},
-      {"study simulate", {"study", "simulate", folder_ / "study-plan.toml", "--finger", fingertip}},
-      {"study withdraw", {"study", "withdraw", "2", "--out", folder_ / "withdrawn"}},
-      {"bench", {"bench", "--suite", "links", "--runs", "3"}},
-      {"emulate", {"emulate", "autd3", "--port", "0"}},
-  };
+  write_small_plan(folder_ / "plan.toml", scene, source_file("assets/prism.glb"));
 }
 
 std::vector<std::string> QuickLines::of(const std::string& command) const {
-  const auto found = lines_.find(command);
-  if (found != lines_.end()) return found->second;
+  const std::string aim = " --layout openmpd --focus 0,0,100mm --backend cpu",
+                    tip = " --scene CUBE --finger IN/tip.ply --penetration 1mm --layout openmpd --backend cpu",
+                    replay = " --scene CUBE --source recording:IN/recording --backend cpu";
+  const std::vector<std::string> lines{"doctor --backend cpu",
+                                       "touch --scene CUBE --points FINGER --penetration 3mm --backend cpu",
+                                       "run --frames 3 --every-frame --hold 10ms" + replay,
+                                       "export --foci IN/foci.csv" + replay,
+                                       "link test --layout openmpd --link null --each 1ms --rest 0 --last 1",
+                                       "calibrate --rig SMALL --frames 2",
+                                       "drive" + aim,
+                                       "field --plane xz --size 20mm,20mm --pixels 4,4" + aim,
+                                       "scatter --mesh IN/pebble.ply --point-source 0,0,100mm --backend cpu",
+                                       "simulate" + tip,
+                                       "afferents --duration 20ms" + tip,
+                                       "decompose --scene CUBE --out IN/parts.glb",
+                                       "study analyse IN/study",
+                                       "study compare paper",
+                                       "study level IN/level.toml",
+                                       "study plan STUDIES/five-minutes.toml",
+                                       "study power --people 8 --studies 100",
+                                       "study rehearse STUDIES/five-minutes.toml --participant 1 --out IN/rehearsed",
+                                       "study run STUDIES/five-minutes.toml --participant 1 --out IN/run --rehearse 1",
+                                       "study simulate IN/plan.toml --finger IN/fingertip.ply",
+                                       "study withdraw 2 --out IN/withdrawn",
+                                       "bench --suite links --runs 3",
+                                       "emulate autd3 --port 0"};
+  for (const std::string& line : lines) {
+    if (is_of(words_of(line), command)) return words_of(line, names_);
+  }
   ADD_FAILURE() << command << " has no quick line here: add one";
   return {command};
 }

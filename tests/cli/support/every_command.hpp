@@ -2,18 +2,16 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
+#include "cli/support/process.hpp"
 #include "support/own_cache.hpp"
 
 namespace palpa::test {
 
 /// In the order of palpa --help. A subcommand of a group has two words, "study analyse".
 std::vector<std::string> every_command();
-/// The words of such a name, as a command line.
-std::vector<std::string> as_words(const std::string& command);
 /// Whether the line is one of that command.
 bool is_of(const std::vector<std::string>& line, const std::string& command);
 
@@ -37,7 +35,7 @@ class QuickLines {
  private:
   std::filesystem::path folder_;
   OwnCache cache_;
-  std::map<std::string, std::vector<std::string>> lines_;
+  Names names_;
 };
 
 /// The command line without an option and its values.

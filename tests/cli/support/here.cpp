@@ -86,7 +86,8 @@ void let_sanitizers_report_outside() {
 
 }  // namespace
 
-Result palpa_here(const std::vector<std::string>& arguments, const std::string& stdout_file) {
+Result palpa_here(const std::vector<std::string>& arguments, const std::string& stdout_file,
+                  const std::function<void(cli::Extensions&)>& extend) {
   constexpr unsigned patience_s = 120;
   const auto [name, folder] = where_assets_are();
   setenv(name.c_str(), folder.c_str(), 1);
@@ -98,6 +99,8 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
   log::set_level(log::Level::warning);
   let_sanitizers_report_outside();
   setup::keep_devices();
+  cli::Extensions extensions = extensions_of_the_program();
+  if (extend) extend(extensions);
   const Target nothing("/dev/null"), out(stdout_file), err;
   Result result;
   {
@@ -105,9 +108,7 @@ Result palpa_here(const std::vector<std::string>& arguments, const std::string& 
         stderr_there(STDERR_FILENO, err);
     alarm(patience_s);
     // On a separate thread: a loop's requests to the system apply to its thread and end with it.
-    std::thread([&] {
-      result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions_of_the_program());
-    }).join();
+    std::thread([&] { result.exit_code = cli::main(static_cast<int>(argv.size()), argv.data(), extensions); }).join();
     alarm(0);
   }
   if (stdout_file.empty()) result.out = out.text();

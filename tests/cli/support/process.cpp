@@ -20,6 +20,7 @@
 #include <stdexcept>
 
 #include "base/text.hpp"
+#include "support/files.hpp"
 #include "support/shared_data.hpp"
 
 namespace palpa::test {
@@ -194,6 +195,17 @@ Result palpa(const std::vector<std::string>& arguments, const RunOptions& option
   return run_program(palpa_binary(), arguments, with_assets);
 }
 
+std::vector<std::string> words_of(const std::string& text, const Names& names) {
+  std::istringstream in(text);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) {
+    const auto named = std::ranges::find_if(names, [&](const auto& n) { return word.find(n.first) != word.npos; });
+    if (named != names.end()) word.replace(word.find(named->first), named->first.size(), named->second);
+    words.push_back(word);
+  }
+  return words;
+}
+
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -201,6 +213,13 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 
 std::vector<std::string> small_frames() {
   return {"--rig", source_file("tests/cli/support/small_rig.toml").string(), "--noise-free"};
+}
+
+std::map<std::string, std::string> contents_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> all;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    all[entry.path().lexically_relative(folder)] = entry.is_regular_file() ? read_text(entry.path()) : "";
+  return all;
 }
 
 void expect_failure(const Result& result, int code, const std::string& part) {

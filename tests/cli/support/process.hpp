@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,12 +55,19 @@ Environment::value_type where_assets_are();
 std::string palpa_binary();
 Result palpa(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
+/// What names in a text stand for.
+using Names = std::vector<std::pair<std::string, std::string>>;
+/// The words of a text; in each, the first of these names that it has is replaced.
+std::vector<std::string> words_of(const std::string& text, const Names& names = {});
 /// A command line with further arguments.
 std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more);
 
 /// Options of a live loop that may see anything as long as it sees the fingertip: frames of small_rig.toml without
 /// noise, which cost a twelfth of the paper's.
 std::vector<std::string> small_frames();
+
+/// Every file and folder below a folder, with the file's bytes.
+std::map<std::string, std::string> contents_of(const std::filesystem::path& folder);
 
 /// gtest: what holds for every run of palpa that no signal ended. Its stderr is printable UTF-8 with at most one line
 /// of error, and the exit code is 0 if and only if there is none. With --log-level quiet, there never is one.
