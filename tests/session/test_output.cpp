@@ -67,7 +67,6 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
   const Plan plain = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
   const Plan modulated = out.plan_of(test::touching(Vec3(0, 0.15, 0), 200));
   EXPECT_EQ(modulated.cycle.modulation_hz, 200.0);
-  float least = 1, most = 0;
   for (std::uint64_t slot = 0; slot < 20; ++slot) {
     const auto a = out.slot(plain, slot, 0), b = out.slot(modulated, slot, 0);
     const double pressure = (1 + std::sin(2 * M_PI * 200 * (static_cast<double>(slot) + 0.5) * 1.5e-3)) / 2;
@@ -76,11 +75,7 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
       EXPECT_NEAR(b[i].amplitude, a[i].amplitude * expected, 1e-6);
       EXPECT_EQ(b[i].phase, a[i].phase);
     }
-    least = std::min(least, test::loudest_of(b));
-    most = std::max(most, test::loudest_of(b));
   }
-  EXPECT_LT(least, 0.2f);
-  EXPECT_GT(most, 0.9f);
 }
 
 TEST(Output, FingersThatDifferInModulationAreSummedPerSlotWhetherListedOrNot) {

@@ -45,8 +45,8 @@ const touch::Parameters thirteen{.foci = 13};
 /// At a depth of 3 mm; the default stride is 4.
 constexpr std::uint32_t of_spots = 5, of_array = 4;
 
-std::uint32_t stride_of(const array::Schedule& schedule) {
-  return schedule.voices.at(0).order.at(1);
+std::uint32_t stride_of(const array::Schedule& schedule, std::size_t voice = 0) {
+  return schedule.voices.at(voice).order.at(1);
 }
 
 /// A finger in the cube, as a frame shows it.
@@ -75,24 +75,32 @@ TEST(Tuning, ChangesTheStrideAlone) {
   EXPECT_EQ(voice_of(Tune::nothing, touch::Method::cross_section).order, array::fill_order(10, 1));
 }
 
-TEST(Tuning, ChangesTheStrideWhenTheFieldIsReady) {
+TEST(Tuning, ChangesTheStrideOfEachFingerWhenTheFieldIsReady) {
   const array::Layout layout = test::posed_openmpd();
   const acoustics::ArrayField field(layout, {});
-  const touch::Touch touch = finger();
+  touch::Touch touch = finger();
+  touch.fingers.assign(3, touch::Finger(touch.fingers.at(0)));
+  touch.finger_count = 3;
+  for (std::uint32_t f = 0; const std::uint32_t id : {3u, 4u, 9u})
+    touch.fingers[f++].id = id;
   Scheduler scheduler("cube.glb", test::asset_solids("cube"), thirteen, tuned());
   array::Schedule schedule;
+  const auto strides = [&] {
+    return std::vector<std::uint32_t>{stride_of(schedule, 0), stride_of(schedule, 1), stride_of(schedule, 2)};
+  };
+  const std::vector<std::uint32_t> before(3, of_spots), after(3, of_array);
   scheduler.tune_beside(&field);
   scheduler.make(touch, 0, schedule);
-  EXPECT_EQ(stride_of(schedule), of_spots) << "no frame waits for the field";
+  EXPECT_EQ(strides(), before) << "no frame waits for the field";
   double time_s = 0;
   EXPECT_TRUE(test::begins([&] {
     scheduler.make(touch, time_s += 0.011, schedule);
-    return stride_of(schedule) == of_array;
+    return strides() == after;
   }));
   scheduler.tune_beside(nullptr);
   for (int frame = 0; frame < 100; ++frame) {
     scheduler.make(touch, time_s += 0.011, schedule);
-    EXPECT_EQ(stride_of(schedule), of_array) << "and stays, for what is known is known";
+    EXPECT_EQ(strides(), after) << "and stays, for what is known is known";
   }
 }
 
@@ -182,38 +190,6 @@ TEST(TuningThread, GivesWayToWhoStartedIt) {
   EXPECT_EQ(of_nicer, std::pair(SCHED_BATCH, nice + 13)) << "ten more than the niceness of the thread that starts it";
   if (!real_time) GTEST_SKIP() << "skipped in part: no real-time threads are allowed here";
   EXPECT_EQ(of_real_time, std::pair(SCHED_BATCH, nice + 10));
-}
-
-TEST(TuningThread, AnswersEveryFingerOnceAndAgainWhenItHasRested) {
-  const array::Layout layout = test::posed_openmpd();
-  const acoustics::ArrayField field(layout, {});
-  std::vector<Vec3> foci;
-  for (int n = 0; n < 10; ++n)
-    foci.emplace_back(5.5e-3 * std::cos(2 * pi * n / 10), 0, 5.5e-3 * std::sin(2 * pi * n / 10));
-  const acoustics::Ring ring{2 * pi * 5.5e-3, 10, 3, 1e-3};
-  acoustics::StrideTuner strides;
-  TuningThread beside(field);
-  const auto frame = [&](double time_s) {
-    beside.begin(strides);
-    std::vector<std::uint32_t> chosen;
-    for (const std::uint32_t id : {3u, 4u, 9u}) {
-      chosen.push_back(strides.stride_for(id, ring, time_s));
-      beside.look_at(id, foci, false, time_s, strides);
-    }
-    beside.end();
-    return chosen;
-  };
-  const auto wanted = [&](double time_s) {
-    return strides.wants(3, time_s) + strides.wants(4, time_s) + strides.wants(9, time_s);
-  };
-  EXPECT_EQ(frame(0), std::vector<std::uint32_t>(3, 1));
-  EXPECT_TRUE(test::begins([&] {
-    frame(0.01);
-    return wanted(0.01) == 0;
-  }));
-  EXPECT_EQ(wanted(0.4), 0);
-  EXPECT_EQ(frame(0.02), std::vector<std::uint32_t>(3, 3));
-  EXPECT_EQ(wanted(0.6), 3) << "fingers move";
 }
 
 /// A cube over this array, with a finger in it that does not change, so the result for spots never changes.
