@@ -1,6 +1,5 @@
 #include "session/points_run.hpp"
 
-#include <chrono>
 #include <exception>
 #include <optional>
 #include <thread>
@@ -8,8 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/start_thread.hpp"
-#include "session/clock.hpp"
 #include "session/loop/output.hpp"
 #include "session/newest.hpp"
 #include "session/plan/plan.hpp"
@@ -33,17 +30,20 @@ void check_points_session(const SessionSetting& setting, const RunOptions& optio
 }  // namespace
 
 bool PushedPoints::push(std::vector<glm::vec3> points, double time_s) {
-  const std::lock_guard lock(mutex_);
-  points_ = std::move(points);
-  time_s_ = time_s;
-  const bool replaced = std::exchange(fresh_, true);
-  came_.notify_one();
+  bool replaced = false;
+  {
+    const std::lock_guard lock(mutex_);
+    points_ = std::move(points);
+    time_s_ = time_s;
+    replaced = std::exchange(fresh_, true);
+  }
+  clock_.wake(came_);
   return replaced;
 }
 
 bool PushedPoints::take(std::vector<glm::vec3>& points, double& time_s, double timeout_s) {
   std::unique_lock lock(mutex_);
-  if (!came_.wait_for(lock, std::chrono::duration<double>(timeout_s), [this] { return fresh_; })) return false;
+  if (!clock_.wait(came_, lock, timeout_s, [this] { return fresh_; })) return false;
   std::swap(points, points_);
   time_s = time_s_;
   fresh_ = false;
@@ -51,7 +51,7 @@ bool PushedPoints::take(std::vector<glm::vec3>& points, double& time_s, double t
 }
 
 LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::atomic<bool>& stop,
-                     const RunOptions& options) {
+                     const RunOptions& options, const Clock& clock) {
   const log::Relay relay;  // log messages of any thread do not block any thread
   const SessionSetting& setting = session.setting();
   RunObserver& observer = *options.observer;
@@ -63,8 +63,8 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
   session.warm_up();
   LoopStats stats;
   stats.solids = session.solid_names();
-  const Clock clock;
-  Newest<Plan> plans;
+  const double begin_s = clock.now();
+  Newest<Plan> plans(clock);
   plans.each([&](Plan& plan) { reserve(plan, setting.layout.transducers.size()); });
   Ending ending{stop};
   SlotClock slots(clock, session.scheduler().slot_s());
@@ -72,7 +72,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
                              setting.hold_s, setting.safety, &slots};
   std::exception_ptr link_fault, fault;
   std::atomic<bool> output_over{false};
-  std::thread player = start_thread("the link", [&] {
+  std::thread player = clock.start("the link", [&] {
     go_first();  // drives leave on time
     try {
       play(link, plans, output, clock, ending, stats.output, observer);
@@ -114,7 +114,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
       stats.touching += touch.finger_count > 0 ? 1 : 0;
       stats.frame_to_plan_s.add(report.planned_s - captured_s);
       stats.add_passes(report.passes);
-      stats.seconds = report.planned_s;
+      stats.seconds = report.planned_s - begin_s;
       observer.planned(report, plan);
       if (plans.publish()) ++stats.unplayed;
       if (setting.events) tell(session.events());
@@ -124,7 +124,7 @@ LoopStats run_points(Session& session, PushedPoints& source, Link& link, std::at
     ending.failed = true;
   }
   ending.over = true;
-  player.join();
+  clock.join(player);
   const std::exception_ptr first = link_fault ? link_fault : fault;
   if (first) stop = true;
   try {

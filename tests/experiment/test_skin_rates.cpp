@@ -34,11 +34,16 @@ session::SkinQuestion question() {
 
 constexpr std::size_t pc = 2;
 
-TEST(SkinRates, AreBesideThePressure) {
+struct SkinRatesTest : testing::Test {
   acoustics::BodyCache bodies;
   SkinRates rates;
   session::SkinQuestion q = question();
-  const session::SkinAnswer felt = rates.answer(q, bodies);
+
+  session::SkinAnswer answer() { return rates.answer(q, bodies); }
+};
+
+TEST_F(SkinRatesTest, AreBesideThePressure) {
+  const session::SkinAnswer felt = answer();
   ASSERT_EQ(felt.rates.size(), q.finger.positions.size());
   EXPECT_EQ(felt.vertices, session::answer(q, bodies).vertices);
   EXPECT_EQ(bodies.made(), 1u) << "one set of equations for both";
@@ -51,49 +56,40 @@ TEST(SkinRates, AreBesideThePressure) {
       ASSERT_GE(rate, 0);
   }
   q.afferents = false;
-  EXPECT_TRUE(rates.answer(q, bodies).rates.empty());
+  EXPECT_TRUE(answer().rates.empty());
 }
 
-TEST(SkinRates, DoNotDependOnTheMeshsOrigin) {
-  acoustics::BodyCache bodies;
-  SkinRates rates;
-  session::SkinQuestion q = question();
-  const session::SkinAnswer felt = rates.answer(q, bodies);
+TEST_F(SkinRatesTest, DoNotDependOnTheMeshsOrigin) {
+  const session::SkinAnswer felt = answer();
   for (Vec3& p : q.finger.positions)
     p += Vec3(4e-3, 70e-3, -2e-3);
   q.T_world_finger = glm::translate(Transform(1.0), Vec3(-4e-3, -70e-3, 2e-3));
-  const session::SkinAnswer moved = rates.answer(q, bodies);
+  const session::SkinAnswer moved = answer();
   ASSERT_EQ(moved.rates.size(), felt.rates.size());
   // Rounding may move a spike.
   for (std::size_t v = 0; v < felt.rates.size(); ++v)
     EXPECT_NEAR(moved.rates[v][pc], felt.rates[v][pc], 4.1) << v;
 }
 
-TEST(SkinRates, BeyondTheFingertipAreUnknown) {
-  acoustics::BodyCache bodies;
-  session::SkinQuestion q = question();
+TEST_F(SkinRatesTest, BeyondTheFingertipAreUnknown) {
   for (Vec3& p : q.finger.positions)
     p.y *= 5;  // 30 mm high
-  const session::SkinAnswer felt = SkinRates().answer(q, bodies);
+  const session::SkinAnswer felt = answer();
   for (std::size_t v = 0; v < felt.rates.size(); ++v)
     EXPECT_EQ(std::isnan(felt.rates[v][pc]), glm::length(q.finger.positions[v]) > observer::fingertip_reach_m) << v;
 }
 
-TEST(SkinRates, OfSilenceAreZero) {
-  acoustics::BodyCache bodies;
-  session::SkinQuestion q = question();
+TEST_F(SkinRatesTest, OfSilenceAreZero) {
   q.plan = {};
-  for (const ByClass& at : SkinRates().answer(q, bodies).rates)
+  for (const ByClass& at : answer().rates)
     EXPECT_EQ(at, ByClass{});
 }
 
-TEST(SkinRates, NeedALevel) {
-  acoustics::BodyCache bodies;
-  session::SkinQuestion q = question();
+TEST_F(SkinRatesTest, NeedALevel) {
   // An array whose middle is where the paper's cube would be touched.
   q.layout = array::transformed(q.layout, glm::translate(Transform(1.0), Vec3(0, 0.147, 0)));
   q.T_world_finger = glm::translate(Transform(1.0), Vec3(0, 0.1, 0));
-  EXPECT_ERROR(SkinRates().answer(q, bodies), Exit::bad_input, "the finger");
+  EXPECT_ERROR(answer(), Exit::bad_input, "the finger");
 }
 
 }  // namespace

@@ -94,16 +94,20 @@ TEST(SkinLoad, SitesShareTheSkin) {
   EXPECT_NEAR(afferents_at(1, AfferentClass::ra) * 9, 140, 1e-9);
 }
 
-/// Spikes per second of the model at the site near x, for a pressure p (1 - cos) / 2 on a disc of 2.5 mm.
-std::vector<std::uint32_t> counts_for(const Disc& disc, const SkinLoad& load, float pressure_pa, double hz, double x) {
+/// A pressure p (1 - cos) / 2 on a disc of 2.5 mm.
+PressurePattern modulated(const Disc& disc, float pressure_pa, double hz = 200) {
   PressurePattern pattern;
   pattern.maps = {disc.within(2.5e-3, pressure_pa)};
   pattern.slots = {0};
   pattern.modulation_hz = hz;
-  const SkinMotion motion = SkinUnderPattern(load, pattern, 5000).motion();
+  return pattern;
+}
+
+/// Spikes per second of each model at a site.
+std::vector<std::uint32_t> counts_of(const SkinMotion& motion, std::size_t site) {
   std::vector<std::uint32_t> counts;
   for (const AfferentModel& model : afferent_models())
-    counts.push_back(respond(motion, model).counts[disc.near(x)]);
+    counts.push_back(respond(motion, model).counts[site]);
   return counts;
 }
 
@@ -119,10 +123,7 @@ std::vector<std::uint32_t> exact_counts(double pressure_pa, double hz, bool wide
     motion.stress.at(0, n) = stress * raised(static_cast<double>(n));
     motion.velocity.at(0, n) = depth * (raised(at + 1) - raised(at - 1)) / 2 * 5000;
   }
-  std::vector<std::uint32_t> counts;
-  for (const AfferentModel& model : afferent_models())
-    counts.push_back(respond(motion, model).counts[0]);
-  return counts;
+  return counts_of(motion, 0);
 }
 
 void expect_near(const std::vector<std::uint32_t>& is, const std::vector<int>& expected, double share) {
@@ -141,12 +142,15 @@ TEST(SkinLoad, SpikesOfAModulatedDisc) {
   // some periods get a second spike.
   const Disc disc;
   const SkinLoad load(disc.mesh, disc.sites, Delays::none);
-  std::vector<std::uint32_t> of_mesh = counts_for(disc, load, 157, 200, 0);
+  const auto counts_for = [&](float pressure_pa, double hz) {
+    return counts_of(SkinUnderPattern(load, modulated(disc, pressure_pa, hz), 5000).motion(), disc.near(0));
+  };
+  std::vector<std::uint32_t> of_mesh = counts_for(157, 200);
   EXPECT_GE(of_mesh[16], 199u);
   EXPECT_LE(of_mesh[16], 268u);
   of_mesh.pop_back();
   expect_near(of_mesh, {weak.begin(), weak.end() - 1}, 0.1);
-  expect_near(counts_for(disc, load, 3000, 200.0 / 3, 0), strong, 0.1);
+  expect_near(counts_for(3000, 200.0 / 3), strong, 0.1);
 }
 
 TEST(SkinLoad, WavesArriveLater) {
@@ -201,10 +205,7 @@ TEST(SkinLoad, PatternsInTime) {
 TEST(SkinLoad, LinesOfADeflection) {
   const Disc disc;
   const SkinLoad load(disc.mesh, disc.sites);
-  PressurePattern pattern;
-  pattern.maps = {disc.within(2.5e-3, 1000)};
-  pattern.slots = {0};
-  pattern.modulation_hz = 200;
+  const PressurePattern pattern = modulated(disc, 1000);
   const SkinUnderPattern skin(load, pattern, 1000);
   const SkinUnderPattern::Lines lines = skin.lines();
   ASSERT_EQ(lines.hz.size(), 5u);
@@ -218,11 +219,7 @@ TEST(SkinLoad, LinesOfADeflection) {
 TEST(SkinLoad, SixHundredAfferentsInASecond) {
   const Disc disc;
   const SkinLoad load(disc.mesh, disc.sites);
-  PressurePattern pattern;
-  pattern.maps = {disc.within(2.5e-3, 600)};
-  pattern.slots = {0};
-  pattern.modulation_hz = 200;
-  const SkinMotion motion = SkinUnderPattern(load, pattern, 5000).motion();
+  const SkinMotion motion = SkinUnderPattern(load, modulated(disc, 600), 5000).motion();
   const double begin_s = test::processor_s();
   std::size_t afferents = 0;
   for (const AfferentModel& model : afferent_models())

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace palpa::test {
 
@@ -11,6 +12,15 @@ array::Layout small_layout() {
   for (int i = 0; i < 16; ++i)
     layout.transducers.push_back({Vec3(0.01 * i, 0, 0), Vec3(0, 1, 0)});
   return layout;
+}
+
+std::vector<geometry::Solid> solids_with(const std::vector<geometry::Haptics>& haptics) {
+  std::vector<geometry::Solid> solids(haptics.size());
+  for (std::size_t s = 0; s < solids.size(); ++s) {
+    solids[s].name = "solid " + std::to_string(s);
+    solids[s].haptics = haptics[s];
+  }
+  return solids;
 }
 
 void list_drives(const array::Layout& layout, session::Plan& plan) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "geometry/solid.hpp"
 #include "sensing/depth_source.hpp"
 #include "session/clock.hpp"
 #include "session/links/link.hpp"
@@ -19,6 +20,8 @@
 namespace palpa::test {
 
 array::Layout small_layout();
+/// "solid 0" and so on, which feel like this.
+std::vector<geometry::Solid> solids_with(const std::vector<geometry::Haptics>& haptics);
 /// Lists the drives of a plan's schedule, as planners do.
 void list_drives(const array::Layout& layout, session::Plan& plan);
 /// One finger, ten foci on a circle about `centre`.

@@ -7,20 +7,16 @@
 #include <span>
 
 #include "array/schedule.hpp"
-#include "geometry/gltf/gltf.hpp"
-#include "sensing/rig.hpp"
 #include "session/session.hpp"
-#include "support/device.hpp"
 #include "support/hand_films.hpp"
-#include "support/hand_skin.hpp"
 #include "support/shapes.hpp"
-#include "support/shared_data.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::test {
 namespace {
 
 std::vector<geometry::Solid> solids_of(const std::string& scene) {
-  if (scene != "plate") return geometry::make_solids(geometry::load_gltf(source_file("assets/" + scene + ".glb")));
+  if (scene != "plate") return asset_solids(scene);
   return geometry::make_solids({"plate", {{"plate", box({-0.08, -0.02, -0.08}, {0.08, 0, 0.08})}}});
 }
 
@@ -63,8 +59,7 @@ double p95_of(std::vector<double> values) {
 class Rendering {
  public:
   explicit Rendering(const ChainFilm& film) : Rendering(film, film.noise) {}
-  Rendering(const ChainFilm& film, sensing::Noise noise)
-      : film_(film), rig_(sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras, {}, noise, film.seed) {}
+  Rendering(const ChainFilm& film, sensing::Noise noise) : film_(film), rig_(paper_cameras(), {}, noise, film.seed) {}
   const std::vector<sensing::Camera>& cameras() const { return rig_.cameras(); }
   std::uint64_t frames() const { return static_cast<std::uint64_t>(film_.length_s * film_.rate_hz); }
   double time_of(std::uint64_t k) const { return static_cast<double>(k) / film_.rate_hz; }

@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "fakes.hpp"
-#include "session/loop/output.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/watch/effort.hpp"
 #include "support/captured.hpp"
@@ -83,20 +81,14 @@ TEST(Effort, ShedsPixelsFirstAndThenFociUntilTheLatencyFits) {
   }
 }
 
-TEST(Effort, WhereNothingHelpsEverythingIsShedAndThatIsTheEnd) {
-  Machine hopeless{[](double, const Effort&) { return 1.0; }};
-  hopeless.run(300);
-  EXPECT_EQ(hopeless.control.now(), most);
-  EXPECT_TRUE(hopeless.control.exhausted());
-  EXPECT_EQ(hopeless.changes.size(), 5u);
-}
-
 TEST(Effort, TheHoldIsLengthenedLastAndOnlyWhereThatIsAskedFor) {
   const auto slow = [](double seconds) { return [=](double, const Effort&) { return seconds; }; };
   Machine never{slow(0.06)};
   never.run(60);
   EXPECT_EQ(never.control.hold_s(), hold_s);
   EXPECT_EQ(never.control.now(), most);
+  EXPECT_TRUE(never.control.exhausted());
+  EXPECT_EQ(never.changes.size(), 5u);
   Machine asked{slow(0.06)};
   asked.control = EffortControl(hold_s, most, longest_auto_hold_s);
   asked.run(60);
@@ -112,7 +104,9 @@ TEST(Effort, TheHoldIsLengthenedLastAndOnlyWhereThatIsAskedFor) {
   busy.control = EffortControl(hold_s, most, longest_auto_hold_s);
   busy.run(60);
   EXPECT_EQ(busy.control.hold_s(), hold_s) << "and no longer than it takes";
-  EXPECT_TRUE(busy.control.now().whole());
+  EXPECT_TRUE(busy.control.now().whole()) << "the machine is quiet again";
+  EXPECT_EQ(busy.control.least(), most) << "what was shed is remembered for the report";
+  EXPECT_GT(busy.control.shed_frames(), 0u);
   EXPECT_GT(busy.control.most_hold_s(), hold_s);
 }
 
@@ -128,50 +122,42 @@ TEST(Effort, DoesNotOscillate) {
   }
 }
 
-TEST(Effort, IsTakenBackWhenTheMachineIsQuietAgain) {
-  Machine machine{[](double now_s, const Effort& effort) { return costs(now_s < 20 ? 0.25 : 0.01, 0.005)(0, effort); }};
-  machine.run(15);
-  EXPECT_EQ(machine.control.now(), (Effort{3, 1}));
-  machine.run(60);
-  EXPECT_TRUE(machine.control.now().whole());
-  EXPECT_EQ(machine.control.least(), (Effort{3, 1})) << "what was shed is remembered for the report";
-  EXPECT_GT(machine.control.shed_frames(), 0u);
-}
-
-TEST(Effort, AFrameOrTwoThatDawdleAreNothing) {
-  EffortControl control(hold_s, most);
-  for (int i = 0; i < 10'000; ++i) {
-    const double takes_s = i % 50 < 2 ? 0.3 : 0.005;
-    EXPECT_FALSE(control.planned({takes_s, takes_s, period_s}));
+TEST(Effort, IsWholeWhereSheddingIsOfNoUse) {
+  struct Case {
+    const char* where;
+    Effort most;
+    FrameTimes usual, two_of_fifty;
+  };
+  const FrameTimes quick{0.005, 0.005, period_s}, dawdling{0.3, 0.3, period_s}, rare{0.020, 0.010, 0.2}, slow{1, 1, 1};
+  for (const Case& c : {Case{"a frame or two dawdle", most, quick, dawdling},
+                        {"the camera is slow", most, rare, rare},
+                        {"the planner can shed nothing", {}, slow, slow}}) {
+    EffortControl control(hold_s, c.most);
+    for (int frame = 0; frame < 10'000; ++frame)
+      ASSERT_FALSE(control.planned(frame % 50 < 2 ? c.two_of_fifty : c.usual)) << c.where;
+    EXPECT_TRUE(control.least().whole());
+    EXPECT_EQ(control.shed_frames(), 0u);
+    EXPECT_EQ(control.exhausted(), c.most.whole());
   }
-  EXPECT_TRUE(control.least().whole());
 }
 
-TEST(Effort, ASlowCameraIsNoOverload) {
-  EffortControl control(hold_s, most);
-  for (int i = 0; i < 1000; ++i)
-    EXPECT_FALSE(control.planned({0.020, 0.010, 0.2}));
-}
-
-TEST(Effort, APlannerThatCanShedNothingIsLeftAlone) {
-  EffortControl control(hold_s, {});
-  EXPECT_TRUE(control.exhausted());
-  for (int i = 0; i < 1000; ++i)
-    EXPECT_FALSE(control.planned({1, 1, 1}));
-  EXPECT_EQ(control.shed_frames(), 0u);
-}
-
-TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
+/// The warnings about 300 frames of these durations.
+std::string said_of_frames(const std::function<double(int frame, const Effort&)>& takes) {
   EffortControl control(hold_s, most);
   ShedReport report(hold_s);
-  const std::string said = test::stderr_of([&] {
-    for (int i = 0; i < 300; ++i) {
-      const double takes_s = 0.25 / (control.now().pixel_stride * control.now().pixel_stride);
+  return test::stderr_of([&] {
+    for (int frame = 0; frame < 300; ++frame) {
+      const double takes_s = takes(frame, control.now());
       control.planned({takes_s, takes_s, takes_s});
       report.planned(control);
     }
     report.end(control);
   });
+}
+
+TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
+  const std::string said =
+      said_of_frames([](int, const Effort& now) { return 0.25 / (now.pixel_stride * now.pixel_stride); });
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   EXPECT_CONTAINS(said,
                   "from the capture of a frame to the drives of the next one it took 500 ms, more than 80 % of "
@@ -184,15 +170,7 @@ TEST(Effort, WhatWasShedIsToldOnceWithWhatWouldHelp) {
 
 /// Later frames that took less, or less time than the hold for one frame, do not contradict it.
 TEST(Effort, WhatIsToldIsWhatWasTooLong) {
-  EffortControl control(hold_s, most);
-  ShedReport report(hold_s);
-  const std::string said = test::stderr_of([&] {
-    for (int i = 0; i < 300; ++i) {
-      const double takes_s = i < 3 ? 0.045 : 0.01;
-      control.planned({takes_s, takes_s, takes_s});
-      report.planned(control);
-    }
-  });
+  const std::string said = said_of_frames([](int frame, const Effort&) { return frame < 3 ? 0.045 : 0.01; });
   EXPECT_CONTAINS(said, "it took 90 ms, more than 80 % of the hold of 100 ms, so only every 2nd pixel");
 }
 
@@ -251,30 +229,6 @@ TEST(Effort, FewerFociTakeTheSameSectorForAnEmptyOneAsAllFociDo) {
     ASSERT_EQ(fewer.voices[0].foci.size(), 5u);
     for (std::uint32_t f = 0; f < 5; ++f)
       EXPECT_EQ(fewer.voices[0].foci[f], all.voices[0].foci[2 * f]) << "focus " << f << ", empty sectors " << empty;
-  }
-}
-
-TEST(Effort, NothingSoundsAfterTheHoldHoweverLateItsPlanCame) {
-  const array::Layout layout = test::small_layout();
-  const OutputSetting setting{layout, {}, 1.5e-3, hold_s};
-  Plan plan;
-  plan.schedule = test::touching(Vec3(0, 0.15, 0));
-  test::list_drives(layout, plan);
-  SlotScratch scratch;
-  for (const auto& [takes_s, more_s] :
-       {std::pair(0.005, 0.0), {0.06, 0.0}, {0.09, 0.0}, {0.15, 0.0}, {0.25, 0.0}, {0.15, 0.1}, {0.25, 0.1}}) {
-    plan.more_hold_s = more_s;
-    // A planner that takes this long for each frame, and slots that play the newest finished plan.
-    double planned_s = 0;
-    for (std::uint64_t slot = 0; slot < 1000; ++slot) {
-      const double now_s = static_cast<double>(slot) * setting.slot_s;
-      while (planned_s + takes_s <= now_s)
-        planned_s += takes_s;
-      if (planned_s == 0) continue;
-      plan.captured_s = planned_s - takes_s;
-      const bool sounds = test::loudest_of(drive_of_slot(plan, slot, now_s, setting, scratch)) > 0;
-      EXPECT_EQ(sounds, now_s < plan.captured_s + hold_s + more_s) << takes_s << " at " << now_s;
-    }
   }
 }
 

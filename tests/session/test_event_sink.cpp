@@ -198,48 +198,52 @@ TEST(EventSink, SendsADatagramPerEvent) {
     EXPECT_EQ(test::thrown_by([&] { open_event_sink(form, names); }).code(), Exit::usage) << form;
 }
 
-TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
-  Fifo fifo("record-slow");
+/// Records of this length fill the pipe soon.
+struct Recorded {
+  static constexpr std::size_t header = 24, record = 8 + 8000;
+  Fifo fifo{"record"};
   array::Layout layout;
-  layout.transducers.assign(1000, {Vec3(0), Vec3(0, 0, 1)});
-  const LinkSetting setting{layout, names, 1.5e-3};
-  const auto link = open_link("record:" + fifo.file.string(), builtin_links(), setting);
-  const array::Drive loud(1000, {1.0F, 0.5F}), silent(1000, {0.0F, 0.0F});
+  LinkSetting setting{layout, names, 1.5e-3};
+  array::Drive loud{1000, {1.0F, 0.5F}};
+
+  Recorded() { layout.transducers.assign(1000, {Vec3(0), Vec3(0, 0, 1)}); }
+};
+
+TEST(RecordLink, AFifoThatNobodyReadsIsAFaultAndNotAHang) {
+  Recorded r;
+  const auto link = open_link("record:" + r.fifo.file.string(), builtin_links(), r.setting);
   const Error stalled = test::thrown_by([&] {
     for (std::uint64_t slot = 0; slot < 100; ++slot)
-      link->send(slot, loud);
+      link->send(slot, r.loud);
   });
   EXPECT_EQ(stalled.code(), Exit::failed);
   EXPECT_CONTAINS(stalled.what(), "nobody reads it");
   // The loop does this then; now the reader is back, and has read.
-  Reading reader(fifo);
-  EXPECT_TRUE(test::begins([&] { return fifo.holds() == 0; }));
-  EXPECT_NO_THROW(link->send(100, silent));
+  Reading reader(r.fifo);
+  EXPECT_TRUE(test::begins([&] { return r.fifo.holds() == 0; }));
+  EXPECT_NO_THROW(link->send(100, array::Drive(1000, {0.0F, 0.0F})));
   EXPECT_NO_THROW(link->finish());
   const std::string text = reader.end();
-  constexpr std::size_t header = 24, record = 8 + 8000;
-  ASSERT_EQ((text.size() - header) % record, 0U) << "whole records";
-  const std::string last = text.substr(text.size() - record);
+  ASSERT_EQ((text.size() - r.header) % r.record, 0U) << "whole records";
+  const std::string last = text.substr(text.size() - r.record);
   EXPECT_EQ(last[0], 100);
   EXPECT_TRUE(std::all_of(last.begin() + 8, last.end(), [](char c) { return c == 0; })) << "silence is the last thing";
 }
 
 TEST(RecordLink, WaitsForItsReaderWhereNothingSounds) {
-  Fifo fifo("record-patient");
-  array::Layout layout;
-  layout.transducers.assign(1000, {Vec3(0), Vec3(0, 0, 1)});
+  Recorded r;
   const std::atomic<bool> stop{false};
-  const auto link = open_record_link(fifo.file.string(), {layout, names, 1.5e-3}, &stop);
+  const auto link = open_record_link(r.fifo.file.string(), r.setting, &stop);
   std::unique_ptr<Reading> reader;
   std::thread late([&] {
     std::this_thread::sleep_for(700ms);  // longer than a link waits
-    reader = std::make_unique<Reading>(fifo);
+    reader = std::make_unique<Reading>(r.fifo);
   });
   for (std::uint64_t slot = 0; slot < 100; ++slot)
-    EXPECT_NO_THROW(link->send(slot, array::Drive(1000, {1.0F, 0.5F})));
+    EXPECT_NO_THROW(link->send(slot, r.loud));
   EXPECT_NO_THROW(link->finish());
   late.join();
-  EXPECT_EQ(reader->end().size(), 24 + 100 * 8008U);
+  EXPECT_EQ(reader->end().size(), r.header + 100 * r.record);
 }
 
 }  // namespace

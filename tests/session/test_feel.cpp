@@ -3,20 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
-#include "acoustics/field/pressure.hpp"
 #include "fakes.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "session/loop/output.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/session.hpp"
-#include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
 #include "support/watched_heap.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
@@ -58,16 +55,8 @@ struct Frames {
   std::uint64_t count = 0;
   bool knows_slots = true;
 
-  static std::vector<geometry::Solid> made(const std::vector<geometry::Haptics>& haptics) {
-    std::vector<geometry::Solid> solids(haptics.size());
-    for (std::size_t s = 0; s < solids.size(); ++s) {
-      solids[s].name = "solid " + std::to_string(s);
-      solids[s].haptics = haptics[s];
-    }
-    return solids;
-  }
   explicit Frames(const std::vector<geometry::Haptics>& haptics, const ScheduleOptions& options = {})
-      : solids(made(haptics)), scheduler("scene.glb", solids, {}, options) {
+      : solids(test::solids_with(haptics)), scheduler("scene.glb", solids, {}, options) {
     array::reserve(schedule, touch::max_fingers, touch::max_foci);
   }
 
@@ -96,35 +85,8 @@ struct Frames {
     ++count;
     return schedule;
   }
-  /// The slots of the newest frame, until the next one.
-  std::vector<array::SlotFocus> slots() const {
-    std::vector<array::SlotFocus> all, foci;
-    for (std::uint64_t slot = first_slot() - slots_per_frame; slot < first_slot(); ++slot) {
-      array::foci_of_slot(schedule, slot, foci);
-      all.insert(all.end(), foci.begin(), foci.end());
-    }
-    return all;
-  }
-  /// Plays frames of one finger; the squared gain of each slot.
-  template <typename At>
-  std::vector<double> forces(std::uint64_t frames, At at) {
-    std::vector<double> list;
-    for (std::uint64_t frame = 0; frame < frames; ++frame) {
-      next({at(frame)});
-      for (const array::SlotFocus& focus : slots())
-        list.push_back(std::pow(double{focus.gain}, 2));
-    }
-    return list;
-  }
   bool is_clicking() const { return schedule.voices[0].foci.size() == 1; }
 };
-
-double line(std::span<const double> slots, double hz) {
-  std::complex<double> sum = 0;
-  for (std::size_t slot = 0; slot < slots.size(); ++slot)
-    sum += std::polar(slots[slot], -2 * std::numbers::pi * hz * slot_s * static_cast<double>(slot));
-  return 2 * std::abs(sum) / static_cast<double>(slots.size());
-}
 
 TEST(Feel, StiffnessIsTheForceAtTheDepth) {
   EXPECT_EQ(geometry::force_at({}, 0.01), 1);
@@ -143,18 +105,17 @@ TEST(Feel, StiffnessIsTheForceAtTheDepth) {
 
 TEST(Feel, StiffnessGoesFromFrameToFrameInEvenSteps) {
   Frames frames({spring()});
-  const auto depth = [](std::uint64_t frame) {
-    return Tip{.depth_m = frame < 5 ? 0.001F : frame < 10 ? 0.009F : 0.003F};
-  };
-  const std::vector<double> forces = frames.forces(15, depth);
-  double steepest = 0;
-  for (std::size_t slot = 1; slot < forces.size(); ++slot)
-    steepest = std::max(steepest, std::abs(forces[slot] - forces[slot - 1]));
-  EXPECT_NEAR(steepest, 0.8 / slots_per_frame, 1e-4) << "a jump of 0.8 in even steps over a frame";
-  EXPECT_NEAR(forces[3], 0.1, 1e-4);
-  EXPECT_NEAR(forces[5 * slots_per_frame], 0.1, 1e-4) << "one frame late";
-  EXPECT_NEAR(forces[6 * slots_per_frame], 0.9, 1e-4);
-  EXPECT_NEAR(forces.back(), 0.3, 1e-4);
+  double before = 0.1;
+  for (int frame = 0; frame < 15; ++frame) {
+    const double force = frame < 5 ? 0.1 : frame < 10 ? 0.9 : 0.3;
+    const std::uint64_t first = frames.first_slot();
+    const array::Voice& voice = frames.next({{.depth_m = static_cast<float>(0.01 * force)}}).voices[0];
+    for (std::uint64_t n = 0; n <= slots_per_frame; ++n) {
+      const double played = std::pow(voice.gain * array::modulate(voice.course, first + n, slot_s), 2);
+      EXPECT_NEAR(played, before + (force - before) * static_cast<double>(n) / slots_per_frame, 1e-4) << frame;
+    }
+    before = force;
+  }
 }
 
 TEST(Feel, AButtonClicksWhenItIsPressedAndWhenItNoLongerIs) {
@@ -167,40 +128,29 @@ TEST(Feel, AButtonClicksWhenItIsPressedAndWhenItNoLongerIs) {
   for (std::uint64_t frame = 0; frame < 60; ++frame) {
     frames.next({{.depth_m = depth_of(frame)}});
     if (frames.is_clicking()) clicking.push_back(frame);
-    for (const array::SlotFocus& focus : frames.slots())
-      EXPECT_LE(focus.gain, frames.is_clicking() ? 1.0F : 0.5F);
+    EXPECT_EQ(frames.schedule.voices[0].gain, frames.is_clicking() ? 1 : 0.5);
   }
   // 45 ms are 30 slots; with those of the frame in which they end, five frames.
   EXPECT_EQ(clicking, (std::vector<std::uint64_t>{10, 11, 12, 13, 14, 40, 41, 42, 43, 44}));
-  for (const array::SlotFocus& focus : frames.slots())
-    EXPECT_EQ(focus.gain, 0.5F) << "the ring is back";
 }
 
 TEST(Feel, AClickIsOneFocusAtTheCentroidWithItsFrequency) {
-  for (const double hz : {150.0, 175.0, 200.0}) {
-    geometry::Haptics haptics = button();
-    haptics.click = geometry::Click{0.06, hz};
-    Frames frames({haptics});
-    const Vec3 centroid(0.01, 0, 0.02);
-    frames.next({{.centroid = centroid}});
-    std::vector<double> forces;
-    for (int frame = 0; frame < 6; ++frame) {
-      frames.next({{.depth_m = 0.004F, .centroid = centroid}});
-      for (const array::SlotFocus& focus : frames.slots()) {
-        EXPECT_LT(glm::distance(focus.position, centroid), 1e-8);
-        forces.push_back(std::pow(double{focus.gain}, 2));
-      }
-    }
-    ASSERT_GE(forces.size(), 42U);
-    EXPECT_TRUE(std::all_of(forces.begin() + 40, forces.end(), [](double force) { return force == 0; }))
-        << "60 ms are 40 slots";
-    const std::span burst = std::span<const double>(forces).first(40);
-    EXPECT_NEAR(line(burst, hz), 0.5, 0.06) << hz;
-    for (const double other : {50.0, 100.0, 250.0, 300.0})
-      EXPECT_LT(line(burst, other), 0.2) << hz;
-    frames.next({{.depth_m = 0.004F, .centroid = centroid}});
-    EXPECT_FALSE(frames.is_clicking());
+  geometry::Haptics haptics = button();
+  haptics.click = geometry::Click{0.06, 150};
+  Frames frames({haptics});
+  const Vec3 centroid(0.01, 0, 0.02);
+  frames.next({{.centroid = centroid}});
+  const std::uint64_t pressed = frames.first_slot();
+  for (int frame = 0; frame < 6; ++frame) {
+    const array::Voice& voice = frames.next({{.depth_m = 0.004F, .centroid = centroid}}).voices[0];
+    ASSERT_TRUE(frames.is_clicking());
+    EXPECT_LT(glm::distance(voice.foci[0], centroid), 1e-8);
+    EXPECT_EQ(voice.modulation_hz, 150);
+    EXPECT_EQ(voice.course.begin_slot, pressed);
+    EXPECT_EQ(voice.course.end_slot, pressed + 40) << "60 ms";
   }
+  frames.next({{.depth_m = 0.004F, .centroid = centroid}});
+  EXPECT_FALSE(frames.is_clicking());
 }
 
 TEST(Feel, ClicksNoMoreThanOnceInATenthOfASecond) {
@@ -228,16 +178,11 @@ TEST(Feel, SilenceComesFirstWithoutHeadroom) {
   for (const bool headroom : {true, false}) {
     Frames frames({button(headroom ? 0.5 : 1)});
     frames.next({Tip{}});
-    frames.next({{.depth_m = 0.004F}});
-    std::vector<float> gains;
-    for (int frame = 0; frame < 3; ++frame) {
-      for (const array::SlotFocus& focus : frames.slots())
-        gains.push_back(focus.gain);
-      frames.next({{.depth_m = 0.004F}});
-    }
-    EXPECT_EQ(std::all_of(gains.begin(), gains.begin() + 13, [](float gain) { return gain == 0; }), !headroom)
-        << "20 ms are 13 slots";
-    EXPECT_GT(*std::max_element(gains.begin() + 13, gains.end()), 0.8F);
+    const std::uint64_t pressed = frames.first_slot();
+    const array::Voice& voice = frames.next({{.depth_m = 0.004F}}).voices[0];
+    EXPECT_EQ(voice.course.begin_slot, pressed + (headroom ? 0 : 13)) << "20 ms";
+    EXPECT_EQ(voice.course.end_slot - voice.course.begin_slot, 30U) << "45 ms";
+    EXPECT_EQ(voice.gain, 1);
   }
 }
 
@@ -281,38 +226,27 @@ TEST(Feel, NothingClicksOrVibratesForALinkThatIsTooSlow) {
   }
 }
 
-/// 29 frames are 203 slots; the last 200 are whole periods of both vibrations.
-std::vector<double> sliding(const geometry::Haptics& haptics, double speed_m_s) {
-  Frames frames({haptics});
-  const auto at = [&](std::uint64_t frame) {
-    return Tip{.centroid = Vec3(0.01 + speed_m_s * frame_s * static_cast<double>(frame), 0, 0.02)};
-  };
-  const std::vector<double> forces = frames.forces(20 + 29, at);  // the velocity is known after 20
-  return {forces.end() - 200, forces.end()};
-}
-
-TEST(Feel, ATextureVibratesWithTheSpeedOfTheFinger) {
-  const std::vector<double> rest = sliding(plate(), 0), slow = sliding(plate(), 0.005), fast = sliding(plate(), 0.05);
-  for (const double hz : {30.0, 150.0}) {
-    EXPECT_LT(line(rest, hz), 1e-6) << hz;
-    EXPECT_GT(line(fast, hz), 0.02) << hz;
-    EXPECT_NEAR(line(slow, hz) / line(fast, hz), 0.5, 0.2) << "5 mm/s is half way down, " << hz;
+TEST(Feel, ATextureVibratesWithTheSpeedOfTheFingerAndThePlaceInGrains) {
+  constexpr double grain_m = 0.002;
+  for (const auto& [speed_m_s, motion] : {std::pair(0.0, 0.0), {0.005, 0.5}, {0.05, 1.0}}) {
+    Frames frames({plate(grain_m)});
+    Vec3 place;
+    for (int frame = 0; frame < 20; ++frame) {  // then the velocity is known
+      place = {0.01 + speed_m_s * frame_s * frame, 0, 0.02};
+      frames.next({{.centroid = place}});
+    }
+    const array::Voice& voice = frames.schedule.voices[0];
+    EXPECT_NEAR(voice.course.to.motion, motion, 0.01) << speed_m_s;
+    if (speed_m_s == 0) {
+      EXPECT_FALSE(voice.course.changes()) << "at rest";
+      EXPECT_NEAR(voice.gain, std::sqrt(0.2 / 1.8), 1e-6);
+      continue;
+    }
+    EXPECT_EQ(voice.course.texture, (array::Texture{0.2, 1, 0.6}));
+    EXPECT_LT(glm::distance(voice.course.to.place, place / grain_m), 1e-4);
+    EXPECT_NEAR(voice.course.to.place.x - voice.course.from.place.x, speed_m_s * frame_s / grain_m, 1e-4);
+    EXPECT_EQ(voice.course.slots, slots_per_frame);
   }
-  for (const double force : rest)
-    EXPECT_NEAR(force, 0.2 / 1.8, 1e-6);
-  for (const double force : fast)
-    EXPECT_TRUE(force >= 0 && force <= 1);
-}
-
-TEST(Feel, FineGrainsSpreadTheLinesOfAFasterFinger) {
-  const auto beside = [](double grain_m, double speed_m_s) {
-    const std::vector<double> slots = sliding(plate(grain_m), speed_m_s);
-    double sum = 0;
-    for (const int periods : {6, 7, 8, 10, 11, 12, 42, 43, 44, 46, 47, 48})
-      sum += line(slots, periods / 0.3);
-    return sum;
-  };
-  EXPECT_GT(beside(0.002, 0.05), 5 * beside(0.1, 0.05));
 }
 
 TEST(Feel, ATextureMovesWithItsSolid) {
@@ -384,6 +318,17 @@ TEST(Feel, LeavesOtherSolidsAsTheyAreAndAllocatesNothing) {
 
 // ---- drives ---------------------------------------------------------------------------------------------------------
 
+/// Nine frames of a finger that slides on a texture and, if `other`, one that rests on another solid.
+Frames sliding_frames(bool other) {
+  Frames frames({plate(0.002), {}});
+  for (int frame = 0; frame < 9; ++frame) {
+    std::vector<Tip> tips{{.centroid = {0.001 * frame, 0.15, 0}}};
+    if (other) tips.push_back({.centroid = {0.06, 0.15, 0}, .id = 2, .solid = 1});
+    frames.next(tips);
+  }
+  return frames;
+}
+
 struct Drives {
   array::Layout layout = test::small_layout();
   OutputSetting setting{layout, {}, slot_s, 0.1};
@@ -401,9 +346,7 @@ struct Drives {
 };
 
 TEST(FeelDrives, GainsThatAllFingersShareScaleTheListedDrives) {
-  Frames frames({plate(0.002)});
-  for (int frame = 0; frame < 9; ++frame)
-    frames.next({{.centroid = {0.001 * frame, 0.15, 0}}});
+  const Frames frames = sliding_frames(false);
   Drives drives(frames.schedule);
   EXPECT_EQ(drives.plan.cycle.length, 10U) << "the ring is listed once";
   EXPECT_TRUE(drives.plan.course.changes());
@@ -421,27 +364,8 @@ TEST(FeelDrives, GainsThatAllFingersShareScaleTheListedDrives) {
   EXPECT_TRUE(link.drives.empty());
 }
 
-TEST(FeelDrives, FingersThatDifferAreSummedInEachSlot) {
-  Frames frames({plate(0.002), {}});
-  for (int frame = 0; frame < 9; ++frame)
-    frames.next({{.centroid = {0.001 * frame, 0.15, 0}}, {.centroid = {0.06, 0.15, 0}, .id = 2, .solid = 1}});
-  Drives drives(frames.schedule);
-  EXPECT_EQ(drives.plan.cycle.plays, Plays::slot_by_slot);
-  std::vector<array::SlotFocus> foci;
-  for (const std::uint64_t slot : {frames.first_slot(), frames.first_slot() + 13}) {
-    array::foci_of_slot(frames.schedule, slot, foci);
-    ASSERT_EQ(foci.size(), 2U);
-    EXPECT_LT(foci[0].gain, foci[1].gain);
-    const array::Drive expected = array::drive_for(drives.layout, foci), got = drives.at(slot);
-    for (std::size_t t = 0; t < got.size(); ++t)
-      EXPECT_EQ(got[t].amplitude, expected[t].amplitude);
-  }
-}
-
 TEST(FeelDrives, AnOwnSolverListsEachSlotWithItsGains) {
-  Frames frames({plate(0.002), {}});
-  for (int frame = 0; frame < 9; ++frame)
-    frames.next({{.centroid = {0.001 * frame, 0.15, 0}}, {.centroid = {0.06, 0.15, 0}, .id = 2, .solid = 1}});
+  const Frames frames = sliding_frames(true);
   Drives drives(frames.schedule);
   SlotWork work;
   drive_by_own(
@@ -459,48 +383,25 @@ TEST(FeelDrives, AnOwnSolverListsEachSlotWithItsGains) {
   }
 }
 
-/// The radiation pressure, relative to the loudest, at one point in every slot of a finger that presses the button.
-std::vector<double> heard_at_the_button(double intensity, std::uint64_t frames) {
-  auto solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/button-and-knob.glb")));
-  solids[0].haptics = button(intensity);
-  array::Layout layout = array::load_layout("openmpd");
-  layout = transformed(layout, layout.default_T_world_layout);
-  Session session({.solids = solids, .layout = layout, .events = std::nullopt});
-  const OutputSetting output{layout, {}, slot_s, 0.1};
-  SlotScratch scratch;
-  std::vector<double> heard;
-  Vec3 skin(0);
-  for (std::uint64_t frame = 0; frame < frames; ++frame) {
-    std::vector<glm::vec3> points;
-    for (const Vec3& p : test::finger_skin().mesh.positions)
-      points.emplace_back(p + Vec3(0, frame < 10 ? -0.002 : -0.004, 0));
-    const touch::Touch& touch = session.touch(points, frame_s * static_cast<double>(frame), slots_per_frame * frame);
-    EXPECT_EQ(touch.finger_count, 1U);
-    EXPECT_NEAR(touch.fingers[0].depth_m, frame < 10 ? 0.002 : 0.004, 2e-4) << "the depth without events";
-    skin = Vec3(touch.fingers[0].section.centroid);
-    for (std::uint64_t slot = slots_per_frame * frame; slot < slots_per_frame * (frame + 1); ++slot) {
-      const auto drive = drive_of_slot(session.plan(), slot, frame_s * static_cast<double>(frame), output, scratch);
-      heard.push_back(std::norm(acoustics::pressure_at(layout, drive, skin, {}, array::Directivity::t4010a1)));
-    }
+TEST(FeelDrives, ASessionClicksInTheSlotsThatPlayTheFrame) {
+  auto solids = test::asset_solids("button-and-knob");
+  solids[0].haptics = button();
+  Session session({.solids = solids, .layout = test::posed_openmpd(), .events = std::nullopt});
+  for (std::uint64_t frame = 0; frame < 20; ++frame) {
+    const double depth_m = frame < 10 ? 0.002 : 0.004;
+    const touch::Touch& touch =
+        session.touch(test::finger_at({0, -depth_m, 0}), frame_s * static_cast<double>(frame), slots_per_frame * frame);
+    ASSERT_EQ(touch.finger_count, 1U);
+    EXPECT_NEAR(touch.fingers[0].depth_m, depth_m, 2e-4) << "the depth without events";
+    const array::Voice& voice = session.schedule().voices[0];
+    const bool clicks = frame >= 10 && frame < 15;
+    ASSERT_EQ(voice.foci.size(), clicks ? 1U : 10U) << frame;
+    EXPECT_EQ(voice.course.begin_slot, clicks ? 10 * slots_per_frame : 0U);
+    const Plan& plan = session.plan();
+    EXPECT_EQ(plan.cycle.length, clicks ? 1U : 10U);
+    EXPECT_EQ(plan.cycle.modulation_hz, clicks ? 200 : 0);
+    EXPECT_EQ(plan.course, voice.course) << "of all fingers, and thus of the listed drives";
   }
-  const double loudest = *std::ranges::max_element(heard);
-  for (double& value : heard)
-    value /= loudest;
-  return heard;
-}
-
-TEST(FeelDrives, SkinHearsTheClickInTheDrivesOfASession) {
-  const std::vector<double> heard = heard_at_the_button(0.5, 20);
-  const std::span slots(heard);
-  const std::span ring = slots.subspan(30, 30), burst = slots.subspan(10 * slots_per_frame, 30);
-  EXPECT_GT(line(burst, 200), 0.4);
-  EXPECT_GT(line(burst, 200), 4 * line(ring, 200));
-  for (const int periods : {3, 6, 12})  // in 45 ms; 200 Hz has 9
-    EXPECT_LT(line(burst, periods / 0.045), 0.2 * line(burst, 200)) << periods;
-  const std::vector<double> again = heard_at_the_button(0.5, 20);
-  EXPECT_EQ(heard, again) << "the same input gives the same drives";
-  for (std::uint64_t slot = 100; slot < 105; ++slot)
-    EXPECT_EQ(slots[slot], 0) << "the rest of the frame in which the burst ends, " << slot;
 }
 
 }  // namespace

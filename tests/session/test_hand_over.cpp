@@ -1,6 +1,9 @@
-// The number of drives that passed each hand-over, the normal range, and a single report if it is exceeded.
+// The number of drives that passed each hand-over, the normal range, and a single report if it is exceeded; whether
+// the array sounds by these numbers.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +11,7 @@
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
+#include "session/watch/sound_watch.hpp"
 #include "session/watch/stats.hpp"
 #include "support/captured.hpp"
 #include "support/shared_data.hpp"
@@ -16,6 +20,9 @@
 
 namespace palpa::session {
 namespace {
+
+using namespace std::chrono_literals;
+constexpr SoundWatch::Clock::time_point begin{std::chrono::hours(1)};
 
 /// The counts of a board that took this many of `loop` drives.
 HandOver counts(std::uint64_t loop, std::uint64_t completed, std::uint64_t starting = 0) {
@@ -76,8 +83,6 @@ TEST(HandOver, AreInTheStatistics) {
   EXPECT_CONTAINS(to_json(stats), R"("plans":{"loop":90,"guard":0,"submitted":0,"completed":80})");
   stats.output.hand_over = {.loop = {.drives = 5}, .behind = Carried{.completed = {.drives = 4}}};
   EXPECT_CONTAINS(to_json(stats), R"("hand_over":{"drives":{"loop":5,"played":4,"lost":1}})");
-  stats.output.hand_over.behind.reset();
-  EXPECT_CONTAINS(to_json(stats), R"("hand_over":{"drives":{"loop":5}})");
 }
 
 TEST(HandOver, LinksThatAreNoBoardsCountWhatTheyPlayed) {
@@ -105,10 +110,9 @@ TEST(HandOver, LinksThatAreNoBoardsCountWhatTheyPlayed) {
 }
 
 TEST(HandOver, WhatFadesAndWhatACeilingMutesIsCountedAsItLeaves) {
-  const array::Layout layout = test::small_layout();
   test::SpyLink spy;
-  SafeLink safe(spy, layout.transducers.size(), {.ramp_s = 6e-3});
-  const array::Drive sounding(layout.transducers.size(), {1.0f, 0.0f}), silent(layout.transducers.size(), {0, 0});
+  SafeLink safe(spy, 16, {.ramp_s = 6e-3});
+  const array::Drive sounding(16, {1.0f, 0.0f}), silent(16, {0, 0});
   array::Schedule schedule = test::touching(Vec3(0, 0.15, 0)), nothing;
   safe.plan({.schedule = schedule, .slots = {.until = 9}});
   for (std::uint64_t slot = 0; slot < 5; ++slot)
@@ -119,9 +123,63 @@ TEST(HandOver, WhatFadesAndWhatACeilingMutesIsCountedAsItLeaves) {
   EXPECT_EQ(safe.handed_over().loop.drives, 5u + 3u) << "the way down sounds, too";
   EXPECT_FALSE(safe.handed_over().behind) << "the spy does not count";
   test::SpyLink deaf;
-  SafeLink muted(deaf, layout.transducers.size(), {.ceiling = 0});
+  SafeLink muted(deaf, 16, {.ceiling = 0});
   muted.send(0, sounding);
   EXPECT_EQ(muted.handed_over().loop.drives, 0u);
+}
+
+/// A modulation has silent drives between those that sound, and no display may flicker.
+TEST(SoundWatch, SoundsUntilNothingHasSoundedForAWhile) {
+  SoundWatch watch;
+  EXPECT_FALSE(watch.sounding(begin));
+  watch.sent(false, std::nullopt, begin);
+  EXPECT_FALSE(watch.sounding(begin));
+  watch.sent(true, std::nullopt, begin);
+  watch.sent(false, std::nullopt, begin + 2ms);
+  EXPECT_TRUE(watch.sounding(begin + 60ms));
+  EXPECT_FALSE(watch.sounding(begin + 140ms));
+  watch.sent(true, std::nullopt, begin + 150ms);
+  watch.close();
+  EXPECT_FALSE(watch.sounding(begin + 150ms)) << "the run is over";
+  EXPECT_FALSE(watch.stuck(begin + 150ms));
+}
+
+/// What sounds is what arrived, not what left.
+TEST(SoundWatch, ABoardThatTakesNothingMaySound) {
+  SoundWatch watch;
+  Carried carried;
+  const auto plays = [&](std::chrono::milliseconds from, std::chrono::milliseconds to, bool takes) {
+    for (auto at = from; at < to; at += 2ms) {
+      carried.completed.drives += takes ? 1 : 0;
+      watch.sent(true, carried, begin + at);
+    }
+  };
+  plays(0ms, 50ms, true);
+  EXPECT_TRUE(watch.sounding(begin + 50ms));
+  EXPECT_FALSE(watch.stuck(begin + 50ms));
+  plays(50ms, 140ms, false);
+  EXPECT_FALSE(watch.stuck(begin + 140ms)) << "drives may be under way";
+  plays(140ms, 300ms, false);
+  EXPECT_FALSE(watch.sounding(begin + 300ms));
+  EXPECT_TRUE(watch.stuck(begin + 300ms));
+  watch.sent(false, carried, begin + 450ms);
+  EXPECT_FALSE(watch.stuck(begin + 450ms)) << "nothing is to sound";
+  plays(455ms, 456ms, false);
+  EXPECT_FALSE(watch.stuck(begin + 456ms)) << "this sound has only begun";
+  plays(460ms, 470ms, true);
+  EXPECT_TRUE(watch.sounding(begin + 470ms)) << "it is plugged in again";
+  EXPECT_FALSE(watch.stuck(begin + 470ms));
+  carried.out_of_reach = true;
+  watch.sent(false, carried, begin + 480ms);
+  EXPECT_TRUE(watch.stuck(begin + 10s)) << "it may still play what it has";
+  carried.out_of_reach = false;
+  watch.sent(false, carried, begin + 11s);
+  EXPECT_FALSE(watch.stuck(begin + 11s));
+  SoundWatch quiet;
+  Carried none;
+  none.out_of_reach = true;
+  quiet.sent(false, none, begin);
+  EXPECT_FALSE(quiet.stuck(begin)) << "nothing has sounded";
 }
 
 }  // namespace

@@ -5,27 +5,26 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
-#include <string>
-#include <string_view>
+#include <numbers>
+#include <optional>
+#include <span>
 #include <thread>
+#include <vector>
 
 #include "acoustics/bodies/body_mesh.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
 #include "fakes.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/loop/live_fingers.hpp"
 #include "session/plan/finger_drives.hpp"
 #include "session/session.hpp"
-#include "support/device.hpp"
-#include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
@@ -44,14 +43,14 @@ geometry::Mesh whole_finger() {
   return geometry::weld(test::finger_skin().mesh);
 }
 
-const sensing::Rig& rig() {
-  static const sensing::Rig paper = sensing::load_rig(test::source_file("assets/rigs/paper.toml"));
+const std::vector<sensing::Camera>& cameras() {
+  static const std::vector<sensing::Camera> paper = test::paper_cameras();
   return paper;
 }
 
 sensing::FrameSet seen(const geometry::Mesh& finger, const Transform& T_world_finger, sensing::Noise noise) {
-  static sensing::SyntheticRig exact(rig().cameras, {}, sensing::Noise::none, 1);
-  static sensing::SyntheticRig noisy(rig().cameras, {}, sensing::Noise::d415, 1);
+  static sensing::SyntheticRig exact(cameras(), {}, sensing::Noise::none, 1);
+  static sensing::SyntheticRig noisy(cameras(), {}, sensing::Noise::d415, 1);
   const sensing::Posed skin{&finger, T_world_finger};
   sensing::FrameSet set;
   (noise == sensing::Noise::none ? exact : noisy).render(std::span(&skin, 1), 0, set);
@@ -61,7 +60,7 @@ sensing::FrameSet seen(const geometry::Mesh& finger, const Transform& T_world_fi
 std::vector<Vec3> skin_near(const sensing::FrameSet& set, const Vec3& at) {
   std::vector<Vec3> points;
   const Box box{at - Vec3(FingerFit::reach_m), at + Vec3(FingerFit::reach_m)};
-  for (const sensing::SkinPoint& point : sensing::find_skin(rig().cameras, set.frames, box))
+  for (const sensing::SkinPoint& point : sensing::find_skin(cameras(), set.frames, box))
     points.emplace_back(point.position);
   return points;
 }
@@ -120,7 +119,7 @@ struct Above {
   std::shared_ptr<const acoustics::RigidBody> body;
 
   Above() {
-    setting.cameras = rig().cameras;
+    setting.cameras = cameras();
     const Transform up = glm::translate(Transform(1.0), Vec3(0, -0.15, 0)) *
                          glm::rotate(Transform(1.0), -std::numbers::pi / 2, Vec3(1, 0, 0));
     setting.layout = array::transformed(array::load_layout("openmpd"), up);
@@ -144,6 +143,27 @@ struct Above {
     for (int i = 0; i < 6; ++i)
       voice.foci.push_back(transform_point(T, {2.5e-3 * std::cos(i), 3e-3, 2.5e-3 * std::sin(i)}));
   }
+  /// Shows frames of a finger that stands there until `done`, which hears whether the frame's finger is known.
+  bool watch(LiveFingers& live, const Transform& T, const std::function<bool(bool known)>& done) {
+    const sensing::FrameSet images = seen(setting.finger->body, T, sensing::Noise::none);
+    double time_s = 0;
+    // The frames' time passes more slowly than the clock's, because answers are slow with sanitizers, and expire.
+    for (std::uint64_t sequence = 0; sequence < 20000; ++sequence, time_s += 4e-3) {
+      stand(T, time_s);
+      const bool known = live.take(schedule);
+      live.saw(images.frames, sequence);
+      live.planned({.sequence = sequence, .time_s = time_s, .touch = &touch}, schedule);
+      if (done(known)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+  array::Drive drive(const Vec3& focus, const array::Transfer* transfer) const {
+    array::DriveOptions drive = setting.drive;
+    drive.transfer = transfer;
+    const array::SlotFocus one{focus};
+    return array::drive_for(setting.layout, {&one, 1}, drive);
+  }
   /// The pressure on the skin of each focus of a finger at `T`, with the drive by `transfer` (null: for free air) over
   /// that with the best drive.
   std::vector<double> parts(const Transform& T, const array::Transfer* transfer) const {
@@ -156,10 +176,7 @@ struct Above {
       array::Columns columns;
       const array::FocusSource source{place, 0, 1};
       exact.fill({&source, 1}, array::Weighting::uniform, columns);
-      array::DriveOptions drive = setting.drive;
-      drive.transfer = transfer;
-      const array::SlotFocus one{focus};
-      const array::Drive played = array::drive_for(setting.layout, {&one, 1}, drive);
+      const array::Drive played = drive(focus, transfer);
       Complex sum = 0;
       double best = 0;
       for (std::size_t t = 0; t < played.size(); ++t) {
@@ -172,23 +189,21 @@ struct Above {
   }
 };
 
+void expect_same(std::span<const array::TransducerDrive> is, const array::Drive& right, double amplitude,
+                 double phase) {
+  ASSERT_EQ(is.size(), right.size());
+  for (std::size_t t = 0; t < right.size(); ++t) {
+    ASSERT_NEAR(is[t].amplitude, right[t].amplitude, amplitude);
+    ASSERT_NEAR(std::remainder(is[t].phase - right[t].phase, 2 * std::numbers::pi), 0, phase);
+  }
+}
+
 TEST(LiveFingers, FociSoundOnTheSkinOfAFingerThatMovesOn) {
   Above above;
   LiveFingers live(above.setting);
   live.begin();
   const Transform begins = tilted(0.1, 0.05, {1e-3, -1e-3, 0});
-  const sensing::FrameSet images = seen(above.setting.finger->body, begins, sensing::Noise::none);
-  bool known = false;
-  std::uint64_t sequence = 0;
-  // The frames' time passes more slowly than the clock's, because answers are slow with sanitizers, and expire.
-  for (double time_s = 0; !known && sequence < 20000; ++sequence, time_s += 4e-3) {
-    above.stand(begins, time_s);
-    known = live.take(above.schedule);
-    live.saw(images.frames, sequence);
-    live.planned({.sequence = sequence, .time_s = time_s, .touch = &above.touch}, above.schedule);
-    if (!known) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  ASSERT_TRUE(known);
+  ASSERT_TRUE(above.watch(live, begins, [](bool known) { return known; }));
   const double time_s = above.schedule.time_s;
   // Three frames later, the finger has moved and turned a little.
   const Transform later = tilted(0.12, 0.03, {2e-3, -1.8e-3, 0.5e-3});
@@ -211,17 +226,8 @@ TEST(LiveFingers, FociSoundOnTheSkinOfAFingerThatMovesOn) {
   SlotWork work;
   ASSERT_TRUE(drives.make(plan, work));
   ASSERT_EQ(plan.cycle.length, 6U);
-  array::DriveOptions on_finger = above.setting.drive;
-  on_finger.transfer = &live;
-  for (std::size_t j = 0; j < voice.foci.size(); ++j) {
-    const array::SlotFocus one{voice.foci[j]};
-    const array::Drive right = array::drive_for(above.setting.layout, {&one, 1}, on_finger);
-    const auto made = plan.drive(j, right.size());
-    for (std::size_t t = 0; t < right.size(); ++t) {
-      ASSERT_NEAR(made[t].amplitude, right[t].amplitude, 5e-3);
-      ASSERT_NEAR(std::remainder(made[t].phase - right[t].phase, 2 * std::numbers::pi), 0, 1e-4);
-    }
-  }
+  for (std::size_t j = 0; j < voice.foci.size(); ++j)
+    expect_same(plan.drive(j, above.setting.layout.transducers.size()), above.drive(voice.foci[j], &live), 5e-3, 1e-4);
   // Slots that the plan does not list sound as in free air.
   const std::uint64_t frames = live.stats().frames;
   const array::Voice copy = voice;
@@ -245,15 +251,8 @@ TEST(LiveFingers, FociSoundOnTheSkinOfAFingerThatMovesOn) {
   above.stand(begins, time_s);
   above.schedule.voices[0].foci[2] += Vec3(0, 4e-3, 0);
   ASSERT_TRUE(live.take(above.schedule));
-  const array::SlotFocus moved{above.schedule.voices[0].foci[2]};
-  array::DriveOptions drive = above.setting.drive;
-  const array::Drive free = array::drive_for(above.setting.layout, {&moved, 1}, drive);
-  drive.transfer = &live;
-  const array::Drive other = array::drive_for(above.setting.layout, {&moved, 1}, drive);
-  for (std::size_t t = 0; t < free.size(); ++t) {
-    EXPECT_NEAR(free[t].amplitude, other[t].amplitude, 1e-6);
-    EXPECT_NEAR(std::remainder(free[t].phase - other[t].phase, 2 * std::numbers::pi), 0, 1e-5);
-  }
+  const Vec3 moved = above.schedule.voices[0].foci[2];
+  expect_same(above.drive(moved, &live), above.drive(moved, nullptr), 1e-6, 1e-5);
   above.stand(begins, time_s, 8);
   EXPECT_FALSE(live.take(above.schedule));
   above.stand(begins, time_s + 2 * LiveFingers::most_age_s);
@@ -265,24 +264,16 @@ TEST(LiveFingers, FindNoFingerInWhatIsNoSkin) {
   above.setting.surroundings.room = Box{{1, 1, 1}, {2, 2, 2}};  // the finger is outside
   LiveFingers live(above.setting);
   live.begin();
-  const Transform stands = tilted(0.1, 0.05, {1e-3, -1e-3, 0});
-  const sensing::FrameSet images = seen(above.setting.finger->body, stands, sensing::Noise::none);
-  // The equations of the finger come first, which is slow with sanitizers.
-  double time_s = 0;
-  for (std::uint64_t sequence = 0; live.stats().not_found == 0 && sequence < 20000; ++sequence, time_s += 0.04) {
-    above.stand(stands, time_s);
-    ASSERT_FALSE(live.take(above.schedule));
-    live.saw(images.frames, sequence);
-    live.planned({.sequence = sequence, .time_s = time_s, .touch = &above.touch}, above.schedule);
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  EXPECT_GE(live.stats().not_found, 1U);
+  EXPECT_TRUE(above.watch(live, tilted(0.1, 0.05, {1e-3, -1e-3, 0}), [&](bool known) {
+    EXPECT_FALSE(known);
+    return live.stats().not_found > 0;
+  }));
   EXPECT_EQ(live.stats().answers, 0U);
 }
 
 SessionSetting running() {
   SessionSetting setting = Above().setting;
-  setting.solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/cube.glb")));
+  setting.solids = test::asset_solids("cube");
   return setting;
 }
 
@@ -291,7 +282,7 @@ TEST(LiveFingers, AreRefusedWhereTheyCannotWork) {
   single.frame_by_frame = true;
   EXPECT_ERROR(Session(std::move(single)), Exit::usage, "only while it runs");
   Session session(running());
-  const auto source = sensing::make_synthetic_source(rig().cameras, blunt_finger(), {}, {.paced = false, .frames = 1});
+  const auto source = sensing::make_synthetic_source(cameras(), blunt_finger(), {}, {.paced = false, .frames = 1});
   test::SpyLink link;
   std::atomic<bool> stop = false;
   EXPECT_ERROR(session.run(*source, link, stop, {.every_frame = true}), Exit::usage, "a run of every frame");

@@ -5,13 +5,11 @@
 #include <vector>
 
 #include "predict_chain.hpp"
-#include "sensing/rig.hpp"
 #include "session/predict/second_search.hpp"
 #include "session/predict/skin_step.hpp"
-#include "support/hand_skin.hpp"
 #include "support/shapes.hpp"
-#include "support/shared_data.hpp"
 #include "touch/stage.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
@@ -23,7 +21,7 @@ geometry::Mesh plate() {
 
 /// A finger in front of the paper's cameras, in two frames, and things that do not move.
 struct TwoFrames {
-  std::vector<sensing::Camera> cameras = sensing::load_rig(test::source_file("assets/rigs/paper.toml")).cameras;
+  std::vector<sensing::Camera> cameras = test::paper_cameras();
   sensing::RayTables tables = sensing::make_rays(cameras);
   sensing::Surroundings surroundings;
   CameraView view{cameras, tables, &surroundings};

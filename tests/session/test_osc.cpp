@@ -16,14 +16,13 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "session/control/osc.hpp"
 #include "session/control/osc_message.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
@@ -45,7 +44,7 @@ std::string message(const std::string& address, const std::vector<float>& number
 }
 
 std::vector<geometry::Solid> cube_called(const std::string& name) {
-  auto solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/cube.glb")));
+  auto solids = test::asset_solids("cube");
   solids[0].name = name;
   return solids;
 }

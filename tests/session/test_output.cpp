@@ -37,24 +37,16 @@ bool same(const array::Drive& a, const array::Drive& b) {
   return a.size() == b.size();
 }
 
-TEST(Output, PlaysTheOrderOfTheSlotCounterNotOfTheFrame) {
+TEST(Output, NothingSoundsAfterTheHoldHoweverLateItsPlanCame) {
   Output out;
-  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
-  ASSERT_EQ(plan.cycle.length, 10u);
-  const auto order = array::fill_order(10, 3);
-  for (const std::uint64_t slot : {0ull, 7ull, 8ull, 12345ull}) {
-    const std::vector<array::SlotFocus> focus{{plan.schedule.voices[0].foci[order[slot % 10]], 1.0f}};
-    array::Drive expected(out.layout.transducers.size());
-    array::drive_for(out.layout, focus, {}, expected);
-    EXPECT_TRUE(same(out.slot(plan, slot, 0.0), expected)) << slot;
+  Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 5.0);
+  for (const double more_s : {0.0, 0.05, 0.1}) {
+    plan.more_hold_s = more_s;
+    for (const double age_s : {0.0, 0.005, 0.06, 0.099, 0.101, 0.14, 0.149, 0.151, 0.199, 0.201, 3600.0})
+      EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.0 + age_s)), age_s < 0.1 + more_s ? 1.0f : 0.0f) << age_s;
   }
-}
-
-TEST(Output, ExpiresAfterTheHold) {
-  Output out;
-  const Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)), 5.0);
-  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.099)), 1.0f);
-  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.1)), 0.0f);
+  plan.more_hold_s = 0;
+  EXPECT_EQ(test::loudest_of(out.slot(plan, 0, 5.1)), 0.0f) << "not in its last instant either";
 }
 
 TEST(Output, APlanWithoutATimeOrATouchIsSilence) {
@@ -67,6 +59,7 @@ TEST(Output, APlanWithoutATimeOrATouchIsSilence) {
       EXPECT_EQ(test::loudest_of(drive), 0.0f) << now_s;
     }
   }
+  EXPECT_EQ(out.plan_of(array::Schedule()).cycle.plays, Plays::nothing);
 }
 
 TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
@@ -74,7 +67,6 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
   const Plan plain = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
   const Plan modulated = out.plan_of(test::touching(Vec3(0, 0.15, 0), 200));
   EXPECT_EQ(modulated.cycle.modulation_hz, 200.0);
-  float least = 1, most = 0;
   for (std::uint64_t slot = 0; slot < 20; ++slot) {
     const auto a = out.slot(plain, slot, 0), b = out.slot(modulated, slot, 0);
     const double pressure = (1 + std::sin(2 * M_PI * 200 * (static_cast<double>(slot) + 0.5) * 1.5e-3)) / 2;
@@ -83,11 +75,7 @@ TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
       EXPECT_NEAR(b[i].amplitude, a[i].amplitude * expected, 1e-6);
       EXPECT_EQ(b[i].phase, a[i].phase);
     }
-    least = std::min(least, test::loudest_of(b));
-    most = std::max(most, test::loudest_of(b));
   }
-  EXPECT_LT(least, 0.2f);
-  EXPECT_GT(most, 0.9f);
 }
 
 TEST(Output, FingersThatDifferInModulationAreSummedPerSlotWhetherListedOrNot) {
@@ -124,15 +112,6 @@ TEST(Output, APlanHasTheFociOfDrivesOfOneFocusEach) {
   schedule.voices[0].foci_per_slot = 1;
   schedule.add_voice() = test::touching(Vec3(0.06, 0.15, 0)).voices[0];
   EXPECT_TRUE(out.plan_of(schedule).foci.empty());
-}
-
-TEST(Output, APlanOfNoFingerPlaysNothing) {
-  Output out;
-  Plan plan = out.plan_of(test::touching(Vec3(0, 0.15, 0)));
-  EXPECT_EQ(plan.cycle.plays, Plays::pattern);
-  plan = out.plan_of(array::Schedule());
-  EXPECT_EQ(plan.cycle.plays, Plays::nothing);
-  EXPECT_EQ(plan.cycle.length, 0U);
 }
 
 TEST(Output, AReservedScratchNeverGrows) {

@@ -9,15 +9,11 @@
 
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
-#include "geometry/gltf/gltf.hpp"
-#include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/plan/planner.hpp"
-#include "support/device.hpp"
-#include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
@@ -28,8 +24,8 @@ struct Scene {
 
   explicit Scene(const std::string& object) {
     setting.scene = object;
-    setting.solids = geometry::make_solids(geometry::load_gltf(test::source_file("assets/" + object + ".glb")));
-    setting.cameras = sensing::load_rig(test::source_file("assets/rigs/paper.toml")).cameras;
+    setting.solids = test::asset_solids(object);
+    setting.cameras = test::paper_cameras();
     setting.layout = array::load_layout("paper");
     setting.events.reset();
   }

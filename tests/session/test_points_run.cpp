@@ -3,74 +3,69 @@
 
 #include <atomic>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
 #include "fakes.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "session/points_run.hpp"
-#include "support/begins.hpp"
-#include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
+#include "stepped_clock.hpp"
 #include "support/thrown.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
 
-std::vector<geometry::Solid> touchable_cube() {
-  return geometry::make_solids(geometry::load_gltf(test::source_file("assets/cube.glb")));
-}
-
 /// The finger model with its tip at this height.
 std::vector<glm::vec3> pushed_finger(double y) {
-  std::vector<glm::vec3> points;
-  for (const Vec3& p : test::finger_skin().mesh.positions)
-    points.emplace_back(p + Vec3(0, y, 0));
-  return points;
+  return test::finger_at({0, y, 0});
 }
 
 struct PointsPlay {
+  test::SteppedClock clock;
   Session session;
-  PushedPoints source;
+  PushedPoints source{clock};
   test::SpyLink link;
   std::atomic<bool> stop{false};
   std::vector<EventKind> kinds;
   std::vector<std::uint32_t> fingers;
+  test::Watcher watcher;
 
-  /// With this hold, a frame sounds however slow the machine is.
-  explicit PointsPlay(double hold_s = 60)
-      : session({.solids = touchable_cube(), .layout = test::small_layout(), .hold_s = hold_s}) {}
-
-  LoopStats play(std::uint64_t frames) {
-    test::Watcher watcher;
-    watcher.on_events = [&](std::span<const Event> events) {
+  /// A finger touches in the first frame.
+  PointsPlay() : session({.solids = test::asset_solids("cube"), .layout = test::small_layout(), .hold_s = 0.1}) {
+    source.push(pushed_finger(-0.001), 0);
+    watcher.on_events = [this](std::span<const Event> events) {
       for (const Event& event : events)
         kinds.push_back(event.kind);
     };
+  }
+  void expect_touch_and_release() const {
+    ASSERT_GE(kinds.size(), 2U);
+    EXPECT_EQ(kinds.front(), EventKind::touch);
+    EXPECT_EQ(kinds.back(), EventKind::release);
+    EXPECT_TRUE(link.ended_silent());
+  }
+  /// The finger touches in the next frame, too, and then no longer.
+  LoopStats play(std::uint64_t frames) {
     watcher.on_planned = [&](const FrameReport& frame, const Plan&) {
       fingers.push_back(frame.touch->finger_count);
-      if (frame.touch->finger_count > 0 && fingers.size() > 1) {
-        EXPECT_TRUE(test::begins([&] { return link.most > 0 || stop; }));
-      }
+      clock.sleep(0.01);  // the plan before sounds
       if (fingers.size() < 3) source.push(pushed_finger(fingers.size() == 1 ? -0.001 : 0.01), 0.01);
     };
-    return run_points(session, source, link, stop, {.frames = frames, .observer = &watcher});
+    return run({.frames = frames, .observer = &watcher});
   }
+  LoopStats run(const RunOptions& options) { return run_points(session, source, link, stop, options, clock); }
 };
 
 TEST(PointsRun, PlaysWhatIsPushedAndEndsInSilence) {
   PointsPlay run;
-  run.source.push(pushed_finger(-0.001), 0);
   const LoopStats stats = run.play(3);
   EXPECT_EQ(stats.captured, 3U);
   EXPECT_EQ(stats.touching, 2U);
   EXPECT_EQ(run.fingers, (std::vector<std::uint32_t>{1, 1, 0}));
   EXPECT_GT(run.link.most, 0.0F);
-  EXPECT_TRUE(run.link.ended_silent());
   EXPECT_TRUE(run.link.finished);
-  ASSERT_FALSE(run.kinds.empty());
-  EXPECT_EQ(run.kinds.front(), EventKind::touch);
-  EXPECT_EQ(run.kinds.back(), EventKind::release);
+  run.expect_touch_and_release();
 }
 
 TEST(PointsRun, EndsWithTheErrorOfItsLink) {
@@ -81,23 +76,16 @@ TEST(PointsRun, EndsWithTheErrorOfItsLink) {
 }
 
 TEST(PointsRun, ReleasesAFingerWhenNoFrameComes) {
-  PointsPlay run(0.1);
-  run.source.push(pushed_finger(-0.001), 0);
-  std::vector<EventKind> kinds;
+  PointsPlay run;
   int expired = 0;
-  test::Watcher watcher;
-  watcher.on_events = [&](std::span<const Event> events) {
-    for (const Event& event : events)
-      kinds.push_back(event.kind);
-    if (!kinds.empty() && kinds.back() == EventKind::release) run.stop = true;
+  run.watcher.on_events = [&run, keep = run.watcher.on_events](std::span<const Event> events) {
+    keep(events);
+    if (!run.kinds.empty() && run.kinds.back() == EventKind::release) run.stop = true;
   };
-  watcher.on_expired = [&] { ++expired; };
-  run_points(run.session, run.source, run.link, run.stop, {.observer = &watcher});
-  ASSERT_GE(kinds.size(), 2U);
-  EXPECT_EQ(kinds.front(), EventKind::touch);
-  EXPECT_EQ(kinds.back(), EventKind::release);
+  run.watcher.on_expired = [&] { ++expired; };
+  run.run({.observer = &run.watcher});
+  run.expect_touch_and_release();
   EXPECT_EQ(expired, 1);
-  EXPECT_TRUE(run.link.ended_silent());
 }
 
 TEST(PointsRun, TheNewestFrameWins) {
@@ -113,14 +101,16 @@ TEST(PointsRun, TheNewestFrameWins) {
 }
 
 TEST(PointsRun, IsRefusedWhereItCannotWork) {
-  PushedPoints source;
-  test::SpyLink link;
-  std::atomic<bool> stop{false};
+  PointsPlay run;
   test::DeafSink sink;
-  Session without_array({.solids = touchable_cube()});
-  EXPECT_ERROR(run_points(without_array, source, link, stop), Exit::usage, "without an array cannot run from points");
-  Session without_events({.solids = touchable_cube(), .layout = test::small_layout(), .events = std::nullopt});
-  EXPECT_ERROR(run_points(without_events, source, link, stop, {.events = &sink}), Exit::usage, "has no events");
+  const auto play = [&](SessionSetting setting, EventSink* events) {
+    Session session(std::move(setting));
+    run_points(session, run.source, run.link, run.stop, {.events = events});
+  };
+  const auto cube = test::asset_solids("cube");
+  EXPECT_ERROR(play({.solids = cube}, nullptr), Exit::usage, "without an array cannot run from points");
+  EXPECT_ERROR(play({.solids = cube, .layout = test::small_layout(), .events = std::nullopt}, &sink), Exit::usage,
+               "has no events");
 }
 
 }  // namespace

@@ -32,6 +32,10 @@ struct Player {
     touch.drives.insert(touch.drives.end(), loud.begin(), loud.end());
   }
   static PlayedPlan at(const Plan& plan, std::uint64_t slot) { return played(plan, 3, slot, slot + 60); }
+  void send_loud(SafeLink& safe, std::uint64_t from, std::uint64_t until) const {
+    for (std::uint64_t slot = from; slot < until; ++slot)
+      safe.send(slot, loud);
+  }
 };
 
 TEST(SafeLink, PassesEverythingOnAsItIsAndCopiesNothing) {
@@ -104,22 +108,25 @@ TEST(SafeLink, ReportsEachDriveThatTheLinkTookTheLastSilenceToo) {
   safe.send(2, p.loud);
   safe.finish();
   EXPECT_EQ(sounding, (std::vector<bool>{true, false, true, false}));
-  EXPECT_EQ(sounding.size(), p.spy.slots.size());
+  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.5f, 0.0f, 0.5f, 0.0f}));
 }
 
 TEST(SafeLink, SilenceComesWhenItsCallerThrows) {
-  Player p;
-  const auto player = [&] {
-    SafeLink safe(p.spy, 3, {.ceiling = 0.5, .ramp_s = 15e-3});
-    safe.plan(p.at(p.touch, 0));
-    for (std::uint64_t slot = 0; slot < 20; ++slot)
-      safe.send(slot, p.loud);
-    throw failure("the caller broke");
-  };
-  EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the caller broke");
-  EXPECT_TRUE(p.spy.ended_silent());
-  EXPECT_EQ(p.spy.plans.back().voices, 0u);
-  EXPECT_TRUE(p.spy.finished);
+  for (const bool planned_for_later : {false, true}) {
+    Player p;
+    const auto player = [&] {
+      SafeLink safe(p.spy, 3, {.ceiling = 0.5, .ramp_s = 15e-3});
+      safe.plan(p.at(p.touch, 0));
+      p.send_loud(safe, 0, 20);
+      if (planned_for_later) safe.plan(p.at(p.touch, 100));
+      throw failure("the caller broke");
+    };
+    EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the caller broke");
+    EXPECT_TRUE(p.spy.ended_silent());
+    EXPECT_EQ(p.spy.plans.back().voices, 0u);
+    EXPECT_TRUE(p.spy.finished);
+    EXPECT_GE(p.spy.slots.back(), planned_for_later ? 100u : 20u) << "a board that goes by slots would sound on";
+  }
 }
 
 TEST(SafeLink, SilenceComesWhenTheLinkThrows) {
@@ -129,8 +136,7 @@ TEST(SafeLink, SilenceComesWhenTheLinkThrows) {
     p.spy.broken = broken;
     const auto player = [&] {
       SafeLink safe(p.spy, 3);
-      for (std::uint64_t slot = 0; slot < 20; ++slot)
-        safe.send(slot, p.loud);
+      p.send_loud(safe, 0, 20);
     };
     EXPECT_STREQ(palpa::test::thrown_by(player).what(), "spy: the link broke");
     EXPECT_TRUE(p.spy.ended_silent()) << "broken " << broken;
@@ -152,19 +158,6 @@ TEST(SafeLink, SilenceComesInASlotOfItsOwnWhenTheObserverThrows) {
   EXPECT_EQ(p.spy.slots, (std::vector<std::uint64_t>{7, 8}));
 }
 
-TEST(SafeLink, SilenceComesAfterAPlanThatWasToldForLater) {
-  Player p;
-  const auto player = [&] {
-    SafeLink safe(p.spy, 3);
-    safe.send(0, p.loud);
-    safe.plan(p.at(p.touch, 100));
-    throw failure("the caller broke");
-  };
-  EXPECT_STREQ(palpa::test::thrown_by(player).what(), "the caller broke");
-  EXPECT_TRUE(p.spy.ended_silent());
-  EXPECT_GE(p.spy.slots.back(), 100u) << "a board that goes by slots would sound on from 100";
-}
-
 TEST(SafeLink, AllThreePartsOfTheEndAreTriedAndTheFirstErrorIsThrown) {
   struct Broken : test::SpyLink {
     void plan(const PlayedPlan&) override { throw failure("plan"); }
@@ -177,23 +170,6 @@ TEST(SafeLink, AllThreePartsOfTheEndAreTriedAndTheFirstErrorIsThrown) {
   EXPECT_STREQ(palpa::test::thrown_by([&] { safe.finish(); }).what(), "plan");
   EXPECT_TRUE(link.ended_silent());
   EXPECT_TRUE(link.finished);
-}
-
-TEST(SafeLink, TheCeilingMultipliesAmplitudesAndGains) {
-  Player p;
-  SafeLink safe(p.spy, 3, {.ceiling = 0.25});
-  safe.plan(p.at(p.touch, 0));
-  safe.send(0, p.loud);
-  safe.send(1, p.silent);
-  EXPECT_EQ(p.spy.plans[0].gain, 0.25);
-  EXPECT_EQ(p.spy.plans[0].loudest, 0.25f);
-  EXPECT_EQ(p.spy.plans[0].slots.until, 60u);
-  EXPECT_EQ(p.spy.loudest, (std::vector<float>{0.25f, 0.0f}));
-  EXPECT_EQ(p.touch.schedule.voices[0].gain, 1.0) << "what is played is not changed";
-  EXPECT_EQ(p.touch.drives[0].amplitude, 1.0f);
-  safe.plan(p.at(p.nothing, 1));
-  EXPECT_EQ(p.spy.plans.back().voices, 0u);
-  EXPECT_FALSE(safe.must_fade()) << "there is no ramp";
 }
 
 TEST(SafeLink, TheCeilingMayChangeWhileItPlays) {
@@ -239,10 +215,18 @@ TEST(SafeLink, AGainMultipliesTheCeilingAndNeverRaisesIt) {
     EXPECT_EQ(plays(1), 0.5f);
     EXPECT_EQ(p.spy.plans.back().gain, 0.5);
     EXPECT_EQ(plays(0.5), 0.25f);
+    EXPECT_EQ(p.spy.plans.back().gain, 0.25);
+    EXPECT_EQ(p.spy.plans.back().loudest, 0.25f);
+    EXPECT_EQ(p.spy.plans.back().slots.until, 61u);
+    EXPECT_EQ(p.touch.schedule.voices[0].gain, 1.0) << "what is played is not changed";
+    EXPECT_EQ(p.touch.drives[0].amplitude, 1.0f);
     EXPECT_EQ(plays(0), 0.0f);
     EXPECT_EQ(plays(7), 0.5f);
     EXPECT_EQ(plays(-1), 0.0f);
     EXPECT_EQ(plays(std::numeric_limits<double>::quiet_NaN()), 0.0f);
+    safe.plan(p.at(p.nothing, slot));
+    EXPECT_EQ(p.spy.plans.back().voices, 0u);
+    EXPECT_FALSE(safe.must_fade()) << "there is no ramp";
     safe.finish();
   }
 }
@@ -278,8 +262,7 @@ TEST(SafeLink, GivesAPlanAgainWhileTheRampMoves) {
   Player p;
   SafeLink safe(p.spy, 3, {.ramp_s = 30 * slot_s});
   safe.plan(p.at(p.touch, 0));
-  for (std::uint64_t slot = 0; slot < 50; ++slot)
-    safe.send(slot, p.loud);
+  p.send_loud(safe, 0, 50);
   // Every seventh slot is the first one 10 ms later; the last plan comes when the ramp is at its top.
   ASSERT_EQ(p.spy.plans.size(), 6u);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -300,8 +283,7 @@ TEST(SafeLink, SoundThatComesBackGoesUpFromWhereItIs) {
   Player p;
   SafeLink safe(p.spy, 3, {.ramp_s = 4 * slot_s});
   safe.plan(p.at(p.touch, 0));
-  for (std::uint64_t slot = 0; slot < 4; ++slot)
-    safe.send(slot, p.loud);
+  p.send_loud(safe, 0, 4);
   safe.plan(p.at(p.nothing, 4));
   safe.send(4, p.silent);
   safe.plan(p.at(p.touch, 5));

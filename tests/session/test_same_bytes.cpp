@@ -6,14 +6,10 @@
 #include <array>
 
 #include "array/layouts/board_mesh.hpp"
-#include "geometry/gltf/gltf.hpp"
-#include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/session.hpp"
-#include "support/device.hpp"
 #include "support/digest.hpp"
-#include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
@@ -54,9 +50,9 @@ constexpr std::array scenes{Scene{"cube", "finger", 0.003}, Scene{"semi-sphere",
 
 /// One digest per scene.
 std::vector<std::uint64_t> digests_of(std::span<const Scene> some) {
-  const sensing::Rig rig = sensing::load_rig(test::source_file("assets/rigs/paper.toml"));
+  const std::vector<sensing::Camera> cameras = test::paper_cameras();
   const array::Layout layout = array::load_layout("paper");
-  sensing::SyntheticRig synthetic(rig.cameras, array::board_mesh(layout), sensing::Noise::d415, 1);
+  sensing::SyntheticRig synthetic(cameras, array::board_mesh(layout), sensing::Noise::d415, 1);
   std::vector<std::uint64_t> digests;
   for (const Scene& scene : some) {
     Digest digest;
@@ -68,8 +64,7 @@ std::vector<std::uint64_t> digests_of(std::span<const Scene> some) {
       for (const auto& part : model.meshes)
         geometry::append(skin, part.mesh);
     }
-    const auto solids =
-        geometry::make_solids(geometry::load_gltf(test::source_file(std::string("assets/") + scene.model + ".glb")));
+    const auto solids = test::asset_solids(scene.model);
     sensing::FrameSet frame;
     Transform T(1.0);
     T[3] = Vec4(0, -scene.lowered_m, 0, 1);
@@ -81,7 +76,7 @@ std::vector<std::uint64_t> digests_of(std::span<const Scene> some) {
     }
     // Events make a touch contain its contacts and the skin below them.
     Session session(test::test_device(),
-                    {.scene = scene.model, .solids = solids, .cameras = rig.cameras, .layout = layout});
+                    {.scene = scene.model, .solids = solids, .cameras = cameras, .layout = layout});
     const touch::Touch& touch = session.touch(frame.frames, 0);
     EXPECT_FALSE(touch.contacts.empty()) << scene.model;
     add(digest, touch);

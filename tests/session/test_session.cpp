@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <glm/ext/matrix_transform.hpp>
 #include <memory>
 #include <string>
@@ -17,40 +18,25 @@
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "fakes.hpp"
-#include "geometry/gltf/gltf.hpp"
-#include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/previews/foci_pressures.hpp"
 #include "session/replay.hpp"
 #include "session/session.hpp"
-#include "support/device.hpp"
-#include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
 
+using test::finger_at;
+
 std::vector<geometry::Solid> cube(double press_depth_m) {
-  auto solids = geometry::make_solids(geometry::load_gltf(palpa::test::source_file("assets/cube.glb")));
+  auto solids = test::asset_solids("cube");
   solids[0].haptics.press_depth_m = press_depth_m;
   return solids;
 }
 
-/// The finger model, its tip at `tip`.
-std::vector<glm::vec3> finger_at(const Vec3& tip) {
-  std::vector<glm::vec3> points;
-  for (const Vec3& p : palpa::test::finger_skin().mesh.positions)
-    points.emplace_back(p + tip);
-  return points;
-}
-
-class Touching : public testing::TestWithParam<bool> {
- protected:
-  Session make(SessionSetting setting) {
-    return GetParam() ? Session(palpa::test::test_device(), std::move(setting)) : Session(std::move(setting));
-  }
-};
+struct Touching : test::OnBackends {};
 
 std::string kinds(std::span<const Event> events) {
   std::string text;
@@ -100,14 +86,14 @@ TEST_P(Touching, FollowsASolidThatMoves) {
 }
 
 TEST_P(Touching, TakesDepthFrames) {
-  const sensing::Rig rig = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml"));
-  sensing::SyntheticRig synthetic(rig.cameras, {}, sensing::Noise::none, 1);
+  const std::vector<sensing::Camera> cameras = test::paper_cameras();
+  sensing::SyntheticRig synthetic(cameras, {}, sensing::Noise::none, 1);
   Transform T(1.0);
   T[3] = Vec4(0, -0.003, 0, 1);
-  const sensing::Posed skin{&palpa::test::finger_skin().mesh, T};
+  const sensing::Posed skin{&test::finger_skin().mesh, T};
   sensing::FrameSet set;
   synthetic.render(std::span(&skin, 1), 0, set);
-  Session session = make({.solids = cube(0.001), .cameras = rig.cameras});
+  Session session = make({.solids = cube(0.001), .cameras = cameras});
   EXPECT_EQ(session.touch(set.frames, 0).finger_count, 1U);
   EXPECT_EQ(kinds(session.events()), "touch press");
   EXPECT_ERROR(session.touch(finger_at({}), 0.1), Exit::usage, "a session with cameras");
@@ -120,34 +106,29 @@ TEST_P(Touching, TakesDepthFrames) {
 }
 
 TEST(Sessions, RefuseWhatCannotSound) {
-  const auto make = [](SessionSetting setting) { return Session(std::move(setting)); };
-  auto solids = cube(0.001);
-  solids[0].haptics.foci = 9;
-  EXPECT_NO_THROW(make({.solids = solids}));
-  solids[0].haptics.stride = 3;
-  EXPECT_REFUSED(make({.solids = solids}), "stride 3 and 9 foci");
-  SessionSetting setting{.solids = cube(0.001)};
-  setting.schedule.voice.stride = 5;
-  EXPECT_ERROR(make(setting), Exit::usage, "stride 5 and 10 foci");
-  setting = {.solids = cube(0.001)};
-  setting.touch.foci = 0;
-  EXPECT_ERROR(make(setting), Exit::usage, "0 foci");
-  for (const double seconds : {0.0, -1.0, std::nan("")}) {
-    setting = {.solids = cube(0.001)};
-    setting.hold_s = seconds;  // a hold that never ends would never be silent
-    EXPECT_ERROR(make(setting), Exit::usage, fmt::format("hold of {} s", seconds));
-    setting = {.solids = cube(0.001)};
-    setting.schedule.voice.dwell_s = seconds;
-    EXPECT_ERROR(make(setting), Exit::usage, fmt::format("dwell of {} s", seconds));
+  const double nan = std::nan("");
+  const struct {
+    std::function<void(SessionSetting&)> ask;
+    std::string fault;
+  } cases[]{
+      {[](SessionSetting& setting) { setting.schedule.voice.stride = 5; }, "stride 5 and 10 foci"},
+      {[](SessionSetting& setting) { setting.touch.foci = 0; }, "0 foci"},
+      {[](SessionSetting& setting) { setting.hold_s = 0; }, "hold of 0 s"},
+      {[](SessionSetting& setting) { setting.hold_s = -1; }, "hold of -1 s"},
+      {[=](SessionSetting& setting) { setting.hold_s = nan; }, "hold of nan s"},  // it would never be silent
+      {[](SessionSetting& setting) { setting.schedule.voice.dwell_s = 0; }, "dwell of 0 s"},
+      {[=](SessionSetting& setting) { setting.schedule.voice.dwell_s = nan; }, "dwell of nan s"},
+      {[=](SessionSetting& setting) { setting.safety.ceiling = nan; }, "ceiling"},
+  };
+  for (const auto& one : cases) {
+    SessionSetting setting{.solids = cube(0.001)};
+    one.ask(setting);
+    EXPECT_ERROR(Session(std::move(setting)), Exit::usage, one.fault);
   }
-  setting = {.solids = cube(0.001)};
-  setting.safety.ceiling = std::nan("");
-  EXPECT_ERROR(make(setting), Exit::usage, "ceiling");
 }
 
 TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
-  const array::Layout board = array::load_layout("openmpd");
-  SessionSetting setting{.solids = cube(0.003), .layout = transformed(board, board.default_T_world_layout)};
+  SessionSetting setting{.solids = cube(0.003), .layout = test::posed_openmpd()};
   setting.schedule.voice.pressure_pa = 1500;
   setting.solids[0].haptics.intensity = 0.5;
   Session session = make(setting);
@@ -280,29 +261,10 @@ TEST_P(Touching, ASolverOfOnesOwnMakesEveryDrive) {
   EXPECT_ERROR(make(setting), Exit::usage, "a solver of one's own");
 }
 
-TEST(OwnSolver, ListsSlotsThatDoNotRepeatSoonEnough) {
-  const array::Layout layout = array::load_layout("openmpd");
-  Plan plan;
-  for (const double dwell_s : {1.5e-3, 1.637e-3}) {
-    array::Voice& voice = plan.schedule.add_voice();
-    voice.foci.assign(7, Vec3(0, 0, 0.15));
-    array::fill_order(7, 2, voice.order);
-    voice.dwell_s = dwell_s;
-  }
-  SlotWork work;
-  std::uint32_t calls = 0;
-  drive_by_own(
-      plan, layout, {}, [&](const auto&, const auto&, const auto& foci, const auto&) { calls += foci.size() == 2; },
-      work);
-  EXPECT_TRUE(plan.cycle.is_listed()) << "the output must not wait for the solver";
-  EXPECT_EQ(calls, most_cycle);
-  EXPECT_EQ(plan.drives.size(), most_cycle * layout.transducers.size());
-}
-
 /// A cube under the paper's cameras and array, and a finger that dips into it.
 struct Live {
   SessionSetting setting{.solids = cube(0.003),
-                         .cameras = sensing::load_rig(palpa::test::source_file("assets/rigs/paper.toml")).cameras,
+                         .cameras = test::paper_cameras(),
                          .layout = array::load_layout("autd3"),
                          .keep_boards = true};  // the board is not rendered, and the finger is where it would stand
   test::SpyLink link;
@@ -321,8 +283,8 @@ struct Live {
     return run(session);
   }
   LoopStats run(Session& session) {
-    const auto source = sensing::make_synthetic_source(setting.cameras, palpa::test::finger_skin().mesh, {},
-                                                       {.paced = false, .frames = 12});
+    const auto source =
+        sensing::make_synthetic_source(setting.cameras, test::finger_skin().mesh, {}, {.paced = false, .frames = 12});
     return session.run(*source, link, stop, options);
   }
 };
@@ -358,7 +320,7 @@ TEST(SessionRuns, PointsOnItsBoardsAndOutsideTheRoomAreNoSkin) {
 
 TEST(SessionReplays, AndSaysWhatTheFirstFrameWaitsFor) {
   Live live;
-  Session session(palpa::test::test_device(), live.setting);
+  Session session(test::test_device(), live.setting);
   const auto source = sensing::make_synthetic_source(live.setting.cameras, {}, {}, {.paced = false, .frames = 1});
   // A thread that is cancelled says what it was about to do.
   const std::atomic<bool> cancelled{true};
@@ -368,7 +330,7 @@ TEST(SessionReplays, AndSaysWhatTheFirstFrameWaitsFor) {
 
 TEST(SessionRuns, AgainAfterItWasStoppedWithFramesUnderWay) {
   Live live;
-  Session session(palpa::test::test_device(), live.setting);
+  Session session(test::test_device(), live.setting);
   const auto counts = live.watcher.on_planned;
   live.watcher.on_planned = [&](const FrameReport& report, const Plan&) { live.stop = report.sequence == 3; };
   EXPECT_LT(live.run(session).planned, 12U);
@@ -476,8 +438,7 @@ TEST(SessionRuns, OnlyWithAllThatItNeeds) {
   EXPECT_ERROR(tuned.run(), Exit::usage, "tune strides only");
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Touching, testing::Bool(),
-                         [](const auto& backend) { return backend.param ? std::string("gpu") : std::string("cpu"); });
+INSTANTIATE_TEST_SUITE_P(Backends, Touching, testing::Bool(), test::backend_name);
 
 }  // namespace
 }  // namespace palpa::session

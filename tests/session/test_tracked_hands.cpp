@@ -12,26 +12,21 @@
 #include <vector>
 
 #include "fakes.hpp"
-#include "geometry/gltf/gltf.hpp"
 #include "hand_motion.hpp"
 #include "sensing/joints/read_frame.hpp"
 #include "sensing/joints/tracked_source.hpp"
 #include "session/replay.hpp"
 #include "session/session.hpp"
-#include "support/device.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/tracked_hands.hpp"
+#include "touched_scene.hpp"
 
 namespace palpa::session {
 namespace {
 
 constexpr double delta_m = 3e-3, tip_radius_m = 7e-3;
-
-std::vector<geometry::Solid> cube() {
-  return geometry::make_solids(geometry::load_gltf(palpa::test::source_file("assets/cube.glb")));
-}
 
 /// The cube reaches from -20 to 20 mm, and 40 mm down from y = 0.
 double depth_in_cube(const Vec3& p) {
@@ -48,7 +43,7 @@ std::vector<sensing::Capsule> bones_of(const std::vector<sensing::TrackedHand>& 
 
 /// A pointing hand whose index fingertip is so deep below y = 0.
 sensing::TrackedHand pressing(double depth_m, double x = 0) {
-  return palpa::test::pointing_hand({x, tip_radius_m - depth_m, 0});
+  return test::pointing_hand({x, tip_radius_m - depth_m, 0});
 }
 
 /// Each contact is skin of the hand, and as deep as it is.
@@ -64,15 +59,11 @@ void expect_contacts(const touch::Touch& touch, const std::vector<sensing::Capsu
   }
 }
 
-class Tracked : public testing::TestWithParam<bool> {
- protected:
+struct Tracked : test::OnBackends {
   static SessionSetting setting() {
-    SessionSetting setting{.solids = cube(), .tracked = true, .layout = palpa::test::small_layout()};
+    SessionSetting setting{.solids = test::asset_solids("cube"), .tracked = true, .layout = test::small_layout()};
     setting.touch.delta_m = delta_m;
     return setting;
-  }
-  static Session make(SessionSetting setting) {
-    return GetParam() ? Session(palpa::test::test_device(), std::move(setting)) : Session(std::move(setting));
   }
 };
 
@@ -107,15 +98,15 @@ TEST_P(Tracked, TakesNothingElse) {
   Session session = make(setting());
   EXPECT_ERROR(session.touch(std::vector<glm::vec3>{{0, 0, 0}}, 0), Exit::usage, "takes its frames, not skin points");
   EXPECT_ERROR(session.touch(std::vector<sensing::DepthFrame>(1), 0), Exit::usage, "not depth frames");
-  Session points = make({.solids = cube()});
+  Session points = make({.solids = test::asset_solids("cube")});
   EXPECT_ERROR(points.touch(bones_of({pressing(0)}), 0, 0), Exit::usage, "takes no hands");
 }
 
 /// A file with these frames, as a source that gives them as fast as they are taken.
 std::unique_ptr<sensing::DepthSource> source_of(const std::string& lines,
                                                 const Transform& T_world_joints = Transform(1.0)) {
-  const std::filesystem::path file = palpa::test::scratch_folder("tracked-hands") / "hands.jsonl";
-  palpa::test::write_text(file, lines);
+  const std::filesystem::path file = test::scratch_folder("tracked-hands") / "hands.jsonl";
+  test::write_text(file, lines);
   return sensing::make_tracked_source(sensing::open_tracker(file, false), T_world_joints);
 }
 
@@ -127,14 +118,14 @@ std::string dip(int frames) {
     film.push_back({0.01 * i, {pressing(6e-3 * part - 3e-3, 1e-4 * i)}});
   }
   film.push_back({0.01 * frames, {}});
-  return palpa::test::lines_of(film);
+  return test::lines_of(film);
 }
 
 TEST_P(Tracked, ARunPlaysItAndEndsInSilence) {
   SessionSetting live = setting();
   live.hold_s = 1;
   Session session = make(std::move(live));
-  palpa::test::SpyLink link;
+  test::SpyLink link;
   std::atomic<bool> stop{false};
   const auto source = source_of(dip(40));
   const LoopStats stats = session.run(*source, link, stop, {.every_frame = true});
@@ -150,7 +141,7 @@ TEST_P(Tracked, AReplayIsTheSameEachTime) {
   std::vector<std::vector<float>> loudest;
   for (int i = 0; i < 2; ++i) {
     Session session = make(setting());
-    palpa::test::SpyLink link;
+    test::SpyLink link;
     const std::atomic<bool> stop{false};
     const auto source = source_of(dip(40));
     const ReplayStats stats = replay(session, *source, link, stop);
@@ -177,7 +168,7 @@ TEST_P(Tracked, ARecordedHandTouches) {
   for (const char* name : {"HandSplay-110fps", "pinch", "flapping"}) {
     SCOPED_TRACE(name);
     PALPA_SHARED_OR_SKIP(packed, std::string("hand-motion/") + name + ".leap6.jsonl.gz");
-    const std::string lines = palpa::test::unpacked(packed);
+    const std::string lines = test::unpacked(packed);
     const sensing::TrackedFrame first = sensing::read_frame(lines.substr(0, lines.find('\n')), "first").value();
     ASSERT_FALSE(first.hands.empty());
     const Transform T_world_joints = pointing_down(first.hands.front());
@@ -203,8 +194,7 @@ TEST_P(Tracked, ARecordedHandTouches) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Tracked, testing::Bool(),
-                         [](const auto& backend) { return backend.param ? std::string("gpu") : std::string("cpu"); });
+INSTANTIATE_TEST_SUITE_P(Backends, Tracked, testing::Bool(), test::backend_name);
 
 }  // namespace
 }  // namespace palpa::session

