@@ -1,7 +1,5 @@
 #include "hand_scores.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -75,8 +73,7 @@ struct Sounding {
 
 class Scoring {
  public:
-  Scoring(const RatedHand& hand, std::uint32_t rules, std::string* trace)
-      : hand_(hand), chain_(hand, rules), trace_(trace) {
+  Scoring(const RatedHand& hand, std::uint32_t rules) : hand_(hand), chain_(hand, rules) {
     if (!hand.bodies.empty()) truth_.emplace(hand);
     const auto press = hand.solids[0].haptics.press_depth_m;
     if (press) press_m_ = *press;
@@ -169,28 +166,6 @@ class Scoring {
       if (event.kind == session::EventKind::touch) ++score_.touches;
       if (event.kind == session::EventKind::release) ++releases_;
     }
-    if (trace_) trace(k, touch);
-  }
-
-  void trace(std::size_t k, const touch::Touch& touch) const {
-    const Count& count = counts_.back();
-    std::string& out = *trace_;
-    out += fmt::format("  {:.3f} s: {} fingers, right {} ({} to {});", hand_.time_of(k), count.found, count.right,
-                       count.least, count.most);
-    for (std::uint32_t p = 0; p < parts_.back().size(); ++p) {
-      const PartThen& part = parts_.back()[p];
-      if (part.contacts > 0 || part.depth_m > 0)
-        out += fmt::format(" part {}{}: {} contacts, {:.2f} mm{}", p, part.of_palm ? " of palm" : "", part.contacts,
-                           part.depth_m * 1e3, part.sounds ? "" : " silent");
-    }
-    out += "; of " + std::to_string(touch.contacts.size());
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      const touch::Finger& finger = touch.fingers[f];
-      const auto at = before_.find(finger.id);
-      out += fmt::format("  id {}: {} contacts, {:.2f} mm, ", finger.id, finger.contact_count, finger.depth_m * 1e3);
-      out += at == before_.end() ? "silent" : fmt::format("part {}", at->second.part);
-    }
-    out += '\n';
   }
 
   /// The parts that have at least a tenth of a finger's contacts, the one with most first.
@@ -346,7 +321,6 @@ class Scoring {
   const RatedHand& hand_;
   HandChain chain_;
   std::optional<HandTruth> truth_;
-  std::string* trace_;
   double press_m_ = 0;
   HandScore score_;
   int releases_ = 0, true_releases_ = 0;
@@ -400,8 +374,8 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(std::max(rank, 0.0))];
 }
 
-HandScore score_of(const RatedHand& hand, std::uint32_t rules, std::string* trace) {
-  return Scoring(hand, rules, trace).score();
+HandScore score_of(const RatedHand& hand, std::uint32_t rules) {
+  return Scoring(hand, rules).score();
 }
 
 }  // namespace palpa::test

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "hand_classes.hpp"
@@ -28,7 +27,7 @@ struct HandScore {
 /// The value that this share of the values does not exceed; 0 without values.
 double quantile(std::vector<double> values, double share);
 
-/// `rules`: bits of touch::StageSetting::hysteresis_rules. `trace`: a line per frame goes there; may be null.
-HandScore score_of(const RatedHand& hand, std::uint32_t rules, std::string* trace = nullptr);
+/// `rules`: bits of touch::StageSetting::hysteresis_rules.
+HandScore score_of(const RatedHand& hand, std::uint32_t rules);
 
 }  // namespace palpa::test
