@@ -48,18 +48,11 @@ std::vector<shader::DriveOut> run_guarded(const PassInputs& inputs, const DriveB
       inputs, [&](VkCommandBuffer commands, const DriveBindings& bindings) { pass.record(commands, bindings, batch); });
 }
 
-Layout line(std::size_t count) {
-  Layout layout;
-  for (std::size_t i = 0; i < count; ++i)
-    layout.transducers.push_back({{0.001 * static_cast<double>(i), 0, 0}, {0, 0, 1}});
-  return layout;
-}
-
 TEST(DrivePass, StaysInsideItsBuffersAtEverySize) {
   // Around the group sizes: 32 threads, 4 or 8 transducers each, 64 slots per group.
   for (const std::size_t transducers : {1u, 31u, 32u, 33u, 127u, 129u, 255u, 256u, 257u}) {
     for (const std::size_t slots : {1u, 2u, 63u, 64u, 65u, 129u}) {
-      const Layout layout = line(transducers);
+      const Layout layout = rows_of(transducers);
       const auto batch = random_slots(slots, 3, static_cast<unsigned>(transducers * 1000 + slots));
       const PassInputs inputs(layout, batch);
       const auto drives = run_guarded(inputs, batch_of(inputs));
@@ -200,15 +193,11 @@ TEST(DriveMemory, MoreFociThanADevicesLoopsReachAreDrivenInFull) {
     ASSERT_TRUE(added);
     test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
     memory.solve_on_host();
-    const auto first = memory.drive(0), last = memory.drive(memory.slots() - 1);
-    EXPECT_TRUE(std::ranges::equal(first, last, [](const TransducerDrive& a, const TransducerDrive& b) {
-      return a.amplitude == b.amplitude && a.phase == b.phase && a.amplitude <= 1;
-    }));
-    if (batch > 0 || !on_host) continue;
-    const Drive expected = drive_for(layout, crowd);
-    for (std::uint32_t t = 0; t < 249; ++t) {
-      ASSERT_EQ(memory.drive(1)[t].amplitude, expected[t].amplitude);
-      ASSERT_EQ(memory.drive(1)[t].phase, expected[t].phase);
+    const auto first = memory.drive(0);
+    EXPECT_TRUE(same(first, memory.drive(memory.slots() - 1)));
+    EXPECT_EQ(faults(Drive(first.begin(), first.end())), 0u);
+    if (batch == 0 && on_host) {
+      EXPECT_TRUE(same(memory.drive(1), drive_for(layout, crowd)));
     }
   }
 }

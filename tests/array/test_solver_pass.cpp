@@ -32,14 +32,6 @@ namespace {
 
 using test::GuardedBuffer;
 
-Layout line(std::size_t count) {
-  Layout layout;
-  for (std::size_t i = 0; i < count; ++i)
-    layout.transducers.push_back(
-        {{0.004 * static_cast<double>(i % 40), 0.004 * static_cast<double>(i / 40), 0}, {0, 0, 1}});
-  return layout;
-}
-
 /// R of all slots, as the pass left it.
 std::vector<std::complex<float>> matrices_of(const gpu::Scratch& scratch, std::size_t entries) {
   const gpu::Readback back(test::test_device(), entries * sizeof(std::complex<float>), "matrices");
@@ -96,10 +88,9 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
     const std::size_t count = batch[s].size();
     for (const auto& [row, column] : {std::pair{count - 1, 0ul}, {0ul, count - 1}, {count / 2, count / 2}}) {
       std::complex<double> sum = 0;
-      double size = 0, farthest = 0;
+      double size = 0;
       const Vec3 at = batch[s][row].position, asks = batch[s][column].position;
-      for (const Transducer& t : layout.transducers)
-        farthest = std::max(farthest, glm::distance(t.position, asks));
+      const double farthest = farthest_of(layout, asks);
       for (const Transducer& t : layout.transducers) {
         const double d = glm::distance(t.position, at), other = glm::distance(t.position, asks);
         const double loud = directivity(Directivity::t4010a1, (at.z - t.position.z) / d, 3.3) / (d * turns);
@@ -119,21 +110,21 @@ TEST(SolverPass, StaysInsideItsBuffersAtEverySize) {
                                                   focus_set(5, 11, {0.05, 0, 0.1}),   focus_set(6, 17, {0.05, 0, 0.1}),
                                                   focus_set(7, 33, {0.05, 0, 0.1})};
   for (const std::size_t transducers : test::the_first<std::size_t>(2, {33, 300, 1, 31, 129})) {
-    run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::normalise);
-    run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::uniform);
-    run_guarded(line(transducers), batch, Solver::greedy, Constraint::uniform);
-    run_guarded(line(transducers), batch, Solver::eigenvalue, Constraint::uniform);
-    run_guarded(line(transducers), batch, Solver::back_propagation, Constraint::normalise);
-    run_guarded(line(transducers), batch, Solver::back_propagation, Constraint::clamp);
+    run_guarded(rows_of(transducers), batch, Solver::gs_pat, Constraint::normalise);
+    run_guarded(rows_of(transducers), batch, Solver::gs_pat, Constraint::uniform);
+    run_guarded(rows_of(transducers), batch, Solver::greedy, Constraint::uniform);
+    run_guarded(rows_of(transducers), batch, Solver::eigenvalue, Constraint::uniform);
+    run_guarded(rows_of(transducers), batch, Solver::back_propagation, Constraint::normalise);
+    run_guarded(rows_of(transducers), batch, Solver::back_propagation, Constraint::clamp);
   }
 }
 
 // For each kernel, the smallest case: instrumented kernels take most of a minute to compile.
 TEST(SolverPass, StaysInsideItsBuffers) {
   const std::vector<std::vector<SlotFocus>> batch{focus_set(3, 3, {0.05, 0, 0.1}), focus_set(5, 11, {0.05, 0, 0.1})};
-  run_guarded(line(33), batch, Solver::gs_pat, Constraint::uniform);
-  run_guarded(line(33), batch, Solver::greedy, Constraint::uniform);
-  run_guarded(line(33), batch, Solver::eigenvalue, Constraint::uniform);
+  run_guarded(rows_of(33), batch, Solver::gs_pat, Constraint::uniform);
+  run_guarded(rows_of(33), batch, Solver::greedy, Constraint::uniform);
+  run_guarded(rows_of(33), batch, Solver::eigenvalue, Constraint::uniform);
 }
 
 TEST(SolverPass, TheSameBytesOnEveryRun) {
@@ -161,7 +152,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
 
 TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
   // More transducers than a single dispatch handles.
-  const Layout layout = line(shader::solve_turns + 700);
+  const Layout layout = rows_of(shader::solve_turns + 700);
   const DriveOptions options = with(Solver::greedy);
   const std::vector<std::vector<SlotFocus>> slots{focus_set(1, 3, {0.08, 0.4, 0.2})};
   const auto twin = backends[0].drives(layout, slots, options), device = backends[1].drives(layout, slots, options);

@@ -23,9 +23,7 @@ TEST(FreeField, ColumnsAreTheFormula) {
     ASSERT_EQ(columns.foci, foci.size());
     ASSERT_EQ(columns.transducers, layout.transducers.size());
     for (std::size_t j = 0; j < foci.size(); ++j) {
-      double farthest = 0;
-      for (const Transducer& t : layout.transducers)
-        farthest = std::max(farthest, glm::distance(t.position, foci[j].position));
+      const double farthest = farthest_of(layout, foci[j].position);
       for (std::size_t n = 0; n < columns.transducers; ++n) {
         const Vec3 way = foci[j].position - layout.transducers[n].position;
         const double d = glm::length(way);
