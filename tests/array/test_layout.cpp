@@ -145,17 +145,6 @@ TEST(Layout, TransformedMovesEverythingAlike) {
   expect_near(transform_point(world.boards[1].T_layout_board, {0, 0, 0}), {0, 0.0888, 0});
 }
 
-TEST(Layout, EveryBoardTypeIsKnownAndNoOther) {
-  for (const std::string& type : board_types()) {
-    Layout layout;
-    EXPECT_TRUE(add_board(layout, type, Transform(1.0))) << type;
-    EXPECT_EQ(layout.boards.at(0).count, layout.transducers.size());
-  }
-  Layout none;
-  EXPECT_FALSE(add_board(none, "paper", Transform(1.0)));
-  EXPECT_TRUE(none.transducers.empty() && none.boards.empty());
-}
-
 TEST(FarthestTransducer, FindsTheFarthestTransducerOfAll) {
   EXPECT_EQ(FarthestTransducer(load_layout("paper")).candidates(), 64u);
   EXPECT_EQ(FarthestTransducer(Layout{}).distance_from({1, 2, 3}), 0);

@@ -152,24 +152,6 @@ TEST(Schedule, NoRoundingMakesAStepLate) {
   }
 }
 
-TEST(Schedule, TenSecondsOfFramesGiveEverySectorTheSameDwell) {
-  Schedule schedule;
-  std::vector<int> dwell(10);
-  int frame = -1;
-  for (std::uint64_t slot = 0; slot < static_cast<std::uint64_t>(10 / schedule.slot_s); ++slot) {
-    const int now = static_cast<int>(static_cast<double>(slot) * schedule.slot_s * 90);
-    if (now != frame) {
-      frame = now;
-      schedule.clear();
-      schedule.add_voice() = voice_of(10);
-    }
-    ++dwell[static_cast<std::size_t>(foci_at(schedule, slot).at(0).position.x)];
-  }
-  EXPECT_EQ(std::accumulate(dwell.begin(), dwell.end(), 0), 6666);
-  const auto [least, most] = std::ranges::minmax(dwell);
-  EXPECT_LE(most - least, 1);
-}
-
 TEST(Schedule, HasNoFociWithoutVoices) {
   Schedule schedule;
   std::vector<SlotFocus> foci{{}};
