@@ -1,5 +1,4 @@
-// The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promises about sines and
-// layout.
+// The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promise about sines.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,13 +8,9 @@
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "pass_inputs.hpp"
-#include "spirv/drive_focus.comp.hpp"
-#include "spirv/drive_sum.comp.hpp"
 #include "spirv/drive_sum_checked.comp.hpp"
-#include "spirv/drive_weighted.comp.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
-#include "support/spirv.hpp"
 #include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
 
@@ -115,20 +110,6 @@ TEST(DrivePass, TheSameBytesOnEveryRun) {
     digest.add(out.phase);
   }
   test::tell_digest("drives", digest.value());
-}
-
-TEST(DrivePass, LayoutIsWhatTheShadersHave) {
-  for (const gpu::Kernel* kernel : {&spirv::drive_focus_comp, &spirv::drive_sum_comp, &spirv::drive_weighted_comp}) {
-    const test::SpirvModule module = test::read_spirv(*kernel);
-    EXPECT_EQ(module.local_size[0], shader::drive_group);
-    EXPECT_EQ(module.local_size[1], 1u);
-    EXPECT_EQ(module.structs.at("DrivePush").offsets.at("constraint"), offsetof(shader::DrivePush, constraint));
-  }
-  // Slots of one focus are written as vectors. Transducers, foci and slots are read as texels, word by word in the
-  // order of drive.h.
-  const test::SpirvModule sum = test::read_spirv(spirv::drive_sum_comp);
-  EXPECT_EQ(sum.structs.at("DriveOut").offsets.at("phase"), offsetof(shader::DriveOut, phase));
-  EXPECT_EQ(sum.array_strides.at("DriveOut"), sizeof(shader::DriveOut));
 }
 
 TEST(DriveMemory, AreReusedBatchAfterBatchWithoutAllocating) {

@@ -1,5 +1,4 @@
-// The solvers' pass: it stays inside its buffers at every size, gives the same bytes every time, and has its header's
-// layout.
+// The solvers' pass: it stays inside its buffers at every size, and gives the same bytes every time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,18 +13,9 @@
 #include "focus_sets.hpp"
 #include "gpu/barrier.hpp"
 #include "pass_inputs.hpp"
-#include "spirv/solve_diagonal.comp.hpp"
-#include "spirv/solve_eigenvalue.comp.hpp"
-#include "spirv/solve_even_phases.comp.hpp"
-#include "spirv/solve_greedy.comp.hpp"
-#include "spirv/solve_mirrored.comp.hpp"
-#include "spirv/solve_refine.comp.hpp"
-#include "spirv/solve_weights.comp.hpp"
-#include "spirv/solve_weights_few.comp.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
 #include "support/instrumented.hpp"
-#include "support/spirv.hpp"
 
 namespace palpa::array {
 namespace {
@@ -160,27 +150,6 @@ TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
   for (std::size_t t = 0; t < twin[0].size(); ++t)
     others += angle_between(twin[0][t].phase, device[0][t].phase) > 1e-4;
   EXPECT_LE(others, twin[0].size() / 10);
-}
-
-TEST(SolverPass, LayoutIsWhatTheShadersHave) {
-  const std::pair<const gpu::Kernel*, std::uint32_t> kernels[]{
-      {&spirv::solve_diagonal_comp, shader::solve_group},
-      {&spirv::solve_eigenvalue_comp, shader::solve_group},
-      {&spirv::solve_mirrored_comp, shader::solve_group},
-      {&spirv::solve_weights_comp, shader::solve_group},
-      {&spirv::solve_weights_few_comp, shader::solve_weights_few_group},
-      {&spirv::solve_even_phases_comp, shader::solve_phases_group},
-      {&spirv::solve_refine_comp, shader::solve_group},
-      {&spirv::solve_greedy_comp, shader::solve_group}};
-  for (const auto& [kernel, threads] : kernels) {
-    const test::SpirvModule module = test::read_spirv(*kernel);
-    const char* name = kernel->name;
-    EXPECT_EQ(module.local_size[0], threads) << name;
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("nearest"), offsetof(shader::SolvePush, nearest)) << name;
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("refinings"), offsetof(shader::SolvePush, refinings)) << name;
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("most_weight"), offsetof(shader::SolvePush, most_weight));
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("next"), offsetof(shader::SolvePush, next));
-  }
 }
 
 }  // namespace
