@@ -350,21 +350,17 @@ void HandScore::add(const HandScore& other) {
   append(first_s, other.first_s), append(second_s, other.second_s), append(leaves_s, other.leaves_s);
 }
 
-double HandScore::right_share() const {
-  return frames == 0 ? 1 : static_cast<double>(right) / static_cast<double>(frames);
-}
-
-double HandScore::silent_share() const {
-  return finger_frames == 0 ? 0 : static_cast<double>(silent) / static_cast<double>(finger_frames);
-}
-
 double HandScore::badness() const {
+  const auto share = [](std::size_t part, std::size_t all, double of_none) {
+    return all == 0 ? of_none : static_cast<double>(part) / static_cast<double>(all);
+  };
   const auto over = [](const std::vector<double>& values, double limit) {
     return std::max(0.0, quantile(values, 0.99) - limit);
   };
-  return 100 * (1 - right_share()) + 5 * events + 2 * changes + 20 * std::abs(touches - true_touches) +
-         20 * std::abs(presses - true_presses) + 20 * swaps + 100 * silent_share() + 10e3 * over(jumps_m, 1e-3) +
-         1e3 * over(deeper_m, 1e-3) + 100 * over(first_s, 25e-3) + 100 * over(second_s, 70e-3) + over(leaves_s, 0);
+  return 100 * (1 - share(right, frames, 1)) + 5 * events + 2 * changes + 20 * std::abs(touches - true_touches) +
+         20 * std::abs(presses - true_presses) + 20 * swaps + 100 * share(silent, finger_frames, 0) +
+         10e3 * over(jumps_m, 1e-3) + 1e3 * over(deeper_m, 1e-3) + 100 * over(first_s, 25e-3) +
+         100 * over(second_s, 70e-3) + over(leaves_s, 0);
 }
 
 double quantile(std::vector<double> values, double share) {

@@ -18,8 +18,6 @@ struct HandScore {
   std::vector<double> jumps_m, deeper_m, first_s, second_s, leaves_s, ahead_m;
 
   void add(const HandScore& other);
-  double right_share() const;
-  double silent_share() const;
   /// How bad a hand is beside others of its class.
   double badness() const;
 };
