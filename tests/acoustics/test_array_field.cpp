@@ -16,6 +16,7 @@
 #include "acoustics/field/asked_field.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "acoustics/rigs.hpp"
+#include "array/focus_sets.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -171,9 +172,7 @@ double summed_share(const Layout& layout, double radius) {
     }
   }
   for (int j = 0; j < foci; ++j) {
-    double farthest = 0;
-    for (const array::Transducer& t : layout.transducers)
-      farthest = std::max(farthest, glm::distance(ring[j], t.position));
+    const double farthest = array::farthest_of(layout, ring[j]);
     for (int i = 0; i < places; ++i)
       pressure[j][i] = std::norm(waves[j][i]) / (farthest * farthest);
   }

@@ -1,4 +1,4 @@
-// The solver of the fast operator, and the small problem within it.
+// The solver of the fast operator. test_fast_operator.cpp checks the solutions.
 #include "acoustics/compressed/block_gmres.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,6 @@
 #include <random>
 #include <vector>
 
-#include "acoustics/compressed/band_least_squares.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {
@@ -69,25 +68,6 @@ std::vector<float> vectors(std::size_t size, std::size_t stride, std::size_t cou
       of[stride * v + i] = normal(random);
   }
   return of;
-}
-
-TEST(BlockGmres, FindsSolutions) {
-  constexpr std::size_t size = 150;
-  const System system(size, 2, 1);
-  const std::size_t stride = system.stride();
-  for (const std::size_t count : {1u, 2u, 5u, 16u}) {
-    SCOPED_TRACE(count);
-    std::vector<float> exact = vectors(size, stride, count, 7), b(exact.size()), x(exact.size(), 3.0F);
-    system.map()({exact.data(), stride}, count, {b.data(), stride});
-    GmresSetting setting;
-    setting.tolerance = 1e-5;
-    const SolveReport report = block_gmres(system.map(), same, {b.data(), stride}, count, {x.data(), stride}, setting);
-    EXPECT_LE(report.residual, setting.tolerance);
-    EXPECT_GT(report.iterations, 2u);
-    EXPECT_LT(report.iterations, 40u);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      ASSERT_NEAR(x[i], exact[i], 1e-3) << i;
-  }
 }
 
 TEST(BlockGmres, NeedsFewerIterationsTogetherAndAfterPreconditioning) {
@@ -177,44 +157,6 @@ TEST(BlockGmres, IsGivenUp) {
   std::vector<float> b = vectors(32, 32, 1, 7), x(b.size());
   const std::atomic<bool> stop = true;
   EXPECT_THROW(block_gmres(system.map(), same, {b.data(), 32}, 1, {x.data(), 32}, {}, &stop), GivenUp);
-}
-
-TEST(BandLeastSquares, IsPerpendicularToTheColumns) {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  const auto numbers = [&](std::size_t count) {
-    std::vector<Complex> of(count);
-    for (Complex& x : of)
-      x = {normal(random), normal(random)};
-    return of;
-  };
-  const std::vector<std::vector<Complex>> rights{numbers(2), numbers(1), numbers(3)};
-  BandLeastSquares squares(rights);
-  std::vector<std::vector<Complex>> columns;
-  for (std::size_t c = 0; c < 12; ++c) {
-    columns.push_back(numbers(c + 4));
-    squares.add(columns.back());
-    const std::vector<Complex> x = squares.solve();
-    for (std::size_t j = 0; j < rights.size(); ++j) {
-      std::vector<Complex> left(c + 4);
-      for (std::size_t i = 0; i < rights[j].size(); ++i)
-        left[i] -= rights[j][i];
-      for (std::size_t i = 0; i <= c; ++i) {
-        for (std::size_t row = 0; row < columns[i].size(); ++row)
-          left[row] += columns[i][row] * x[i * rights.size() + j];
-      }
-      double size = 0;
-      for (const Complex& entry : left)
-        size += std::norm(entry);
-      EXPECT_NEAR(squares.residuals()[j], std::sqrt(size), 1e-12);
-      for (const auto& column : columns) {
-        Complex along = 0;
-        for (std::size_t row = 0; row < column.size(); ++row)
-          along += std::conj(column[row]) * left[row];
-        EXPECT_LE(std::abs(along), 1e-11);
-      }
-    }
-  }
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ const std::vector<FewPlaces>& exact_places() {
 }
 
 /// How far the unknowns of a wave are off if only its values at the few places are known, in the relative L2.
-double error_of(const std::vector<FewPlaces>& clusters, const Waves& wave, const auto& wave_at) {
+double error_of(const std::vector<FewPlaces>& clusters, const auto& wave_at) {
   const RigidBody& body = finger();
   std::vector<std::complex<float>> unknowns(body.mesh().positions.size());
   for (const FewPlaces& places : clusters) {
@@ -54,7 +54,7 @@ double error_of(const std::vector<FewPlaces>& clusters, const Waves& wave, const
     }
   }
   body.respond(unknowns);
-  return relative_error(unknowns, body.solve(wave));
+  return relative_error(unknowns, body.solve(wave_at(body.points(), body.normals())));
 }
 
 TEST(FewPlaces, StandForAllVertices) {
@@ -78,15 +78,13 @@ TEST(FewPlaces, StandForAllVertices) {
     before = chosen;
     double worst = 0;
     for (const Vec3& way : {Vec3(0, 0, 1), Vec3(0.6, 0, -0.8), Vec3(0.48, -0.6, 0.64), Vec3(0, 1, 0)}) {
-      worst =
-          std::max(worst, error_of(clusters, plane_wave(k, way, body.points(), body.normals()),
-                                   [&](const auto& at, const auto& along) { return plane_wave(k, way, at, along); }));
+      const auto wave = [&](const auto& at, const auto& along) { return plane_wave(k, way, at, along); };
+      worst = std::max(worst, error_of(clusters, wave));
     }
     // Two wavelengths from the tip, and far away.
     for (const Vec3& source : {Vec3(0, -35e-3, 0), Vec3(0.03, 0.01, -0.02), Vec3(-0.5, 1, 0.3)}) {
-      worst = std::max(worst,
-                       error_of(clusters, point_source(k, source, body.points(), body.normals()),
-                                [&](const auto& at, const auto& along) { return point_source(k, source, at, along); }));
+      const auto wave = [&](const auto& at, const auto& along) { return point_source(k, source, at, along); };
+      worst = std::max(worst, error_of(clusters, wave));
     }
     EXPECT_LE(worst, 2 * tolerance);
     EXPECT_GE(worst, 0.01 * tolerance);

@@ -17,10 +17,8 @@
 #include "array/drive_pass.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/texel_view.hpp"
-#include "spirv/field.comp.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
-#include "support/spirv.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -156,16 +154,6 @@ TEST(FieldPass, GivesUpWhenTold) {
                         pressures, &give_up));
   EXPECT_TRUE(field_on(test::test_device(), layout, air_of({}), Directivity::omni, {}, strengths, pressures));
   EXPECT_TRUE(pressures.empty());
-}
-
-TEST(FieldPass, LayoutIsWhatTheShaderHas) {
-  const test::SpirvModule module = test::read_spirv(spirv::field_comp);
-  EXPECT_EQ(module.local_size[0], shader::field_group);
-  EXPECT_EQ(module.local_size[1], 1u);
-  EXPECT_EQ(module.array_strides.at("FieldPoint"), sizeof(shader::FieldPoint));
-  EXPECT_EQ(module.array_strides.at("FieldPressure"), sizeof(shader::FieldPressure));
-  EXPECT_EQ(module.structs.at("FieldPoint").offsets.at("fine"), offsetof(shader::FieldPoint, fine));
-  EXPECT_EQ(module.structs.at("FieldPush").offsets.at("halvings"), offsetof(shader::FieldPush, halvings));
 }
 
 }  // namespace

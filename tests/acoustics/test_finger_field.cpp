@@ -14,6 +14,7 @@
 #include "acoustics/felt/spectrum.hpp"
 #include "acoustics/field/array_field.hpp"
 #include "acoustics/rigs.hpp"
+#include "array/focus_sets.hpp"
 #include "geometry/mesh/icosphere.hpp"
 
 namespace palpa::acoustics {
@@ -88,9 +89,7 @@ class Exact {
 /// What a focus asks of each source: amplitude in proportion to the distance and the delay of the way; or, for this
 /// ball, from the arriving sound.
 std::vector<Complex> asked(const Exact& exact, const Vec3& focus, bool for_finger) {
-  double farthest = 0;
-  for (const array::Transducer& t : around().transducers)
-    farthest = std::max(farthest, glm::distance(t.position, focus));
+  const double farthest = array::farthest_of(around(), focus);
   const std::vector<Complex> sound = exact.transfer(focus);
   std::vector<Complex> strengths;
   for (std::size_t i = 0; i < sound.size(); ++i) {

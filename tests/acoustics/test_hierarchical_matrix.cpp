@@ -1,4 +1,4 @@
-// The parts of the compressed matrix: clusters, entries, short products, and sums of split numbers.
+// The parts of the compressed matrix: clusters, short products, and sums of split numbers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -135,40 +135,6 @@ struct Parts {
   MatrixEntries entries;
   std::vector<std::complex<float>> whole;
 };
-
-TEST(MatrixEntries, AreThoseOfTheWholeMatrix) {
-  const Parts parts(geometry::icosphere(8e-3, 6));
-  double largest = 0;
-  for (const std::complex<float>& entry : parts.whole)
-    largest = std::max(largest, std::abs(Complex(entry)));
-  const double bound = 1e-5 * largest;
-  ClusterPatches rows, columns;
-  std::size_t lines = 0;
-  for (const BlockPlace& place : block_places(parts.tree, 4)) {
-    const Cluster &a = parts.tree.clusters[place.rows], &b = parts.tree.clusters[place.columns];
-    parts.entries.select(a, rows);
-    parts.entries.select(b, columns);
-    const std::size_t stride = split_stride(a.size());
-    std::vector<float> block(2 * stride * b.size(), 5);
-    parts.entries.block(rows, columns, stride, block);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      for (std::size_t i = 0; i < stride; ++i) {
-        const Complex found(block[2 * stride * j + i], block[2 * stride * j + stride + i]);
-        ASSERT_LE(std::abs(found - (i < a.size() ? parts.entry(a, i, b, j) : 0)), bound);
-      }
-    }
-    if (!place.far) continue;
-    std::vector<float> re(std::max(a.size(), b.size())), im = re;
-    const std::uint32_t i = a.size() / 2, j = b.size() / 3;
-    parts.entries.row(a.begin + i, columns, {re.data(), im.data()});
-    for (std::size_t at = 0; at < b.size(); ++at, ++lines)
-      ASSERT_LE(std::abs(Complex(re[at], im[at]) - parts.entry(a, i, b, at)), bound);
-    parts.entries.column(b.begin + j, rows, {re.data(), im.data()});
-    for (std::size_t at = 0; at < a.size(); ++at, ++lines)
-      ASSERT_LE(std::abs(Complex(re[at], im[at]) - parts.entry(a, at, b, j)), bound);
-  }
-  EXPECT_GT(lines, 100u);
-}
 
 double error_of(const Parts& parts, const BlockPlace& place, const LowRank& product) {
   const Cluster &a = parts.tree.clusters[place.rows], &b = parts.tree.clusters[place.columns];

@@ -122,30 +122,6 @@ TEST(Incident, IsExactFarAndNear) {
   EXPECT_TRUE(waves.slopes.empty());
 }
 
-TEST(Incident, PointSourcesAreExact) {
-  Layout layout;
-  layout.source_level_pa_m = 1;
-  layout.transducer_radius_m = 0;
-  layout.transducers = {{{0.01, 0.02, -0.1}, {0, 0, 1}}, {{-0.05, 0, 0.2}, {0, 0, 1}}};
-  const Strengths strengths{{1, 0}, {0, 2}};
-  const std::vector<Vec3> points{{0, 0, 0}, {0.001, 0.002, 0.003}}, normals{{1, 0, 0}, {0, 0.6, 0.8}};
-  const Air air = without_absorption(air_of({}, 40e3, 343));
-  Waves waves;
-  Incident(layout, air, Directivity::omni).at(points, normals, strengths, waves);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    Complex p = 0, slope = 0;
-    for (std::size_t t = 0; t < 2; ++t) {
-      const Vec3 way = points[i] - layout.transducers[t].position;
-      const double r = glm::length(way);
-      const Complex wave = strengths[t] * std::polar(1 / r, air.wave_number() * r);
-      p += wave;
-      slope += wave * Complex(-1 / r, air.wave_number()) * (glm::dot(way, normals[i]) / r);
-    }
-    EXPECT_LT(std::abs(waves.pressures[i] - p), 1e-6 * std::abs(p));
-    EXPECT_LT(std::abs(waves.slopes[i] - slope), 1e-6 * std::abs(slope));
-  }
-}
-
 /// Sources and receivers are exchanged.
 TEST(Incident, ReceivesWhatItSends) {
   const Scene scene("autd3", 3, 131, 0.1);

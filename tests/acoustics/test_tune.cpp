@@ -180,15 +180,6 @@ TEST(StrideTuner, FollowsALastingChangeOnceItHasRested) {
   EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 1.5e-3), 1.2), 3u);
 }
 
-TEST(StrideTuner, ForgetsOldFingersAndKeepsThoseOfNow) {
-  StrideTuner tuner;
-  for (std::uint32_t frame = 0; frame < 300; ++frame) {
-    // One finger stays, one comes and goes.
-    EXPECT_EQ(tuner.stride_for(0, ring(15e-3, 10, 1), frame * 0.011), 3u);
-    EXPECT_EQ(tuner.stride_for(1 + frame, ring(15e-3, 10, 1), frame * 0.011), 3u);
-  }
-}
-
 TEST(StrideTuner, ForgetsTheOneSeenLongestAgoWhateverTheClockSays) {
   const Ring usual = ring(15e-3, 10, 1);
   // A clock that stands still, and a clock that is set back before the second half.

@@ -59,6 +59,12 @@ std::size_t faults(const Drive& drive) {
   }));
 }
 
+bool same(std::span<const TransducerDrive> a, std::span<const TransducerDrive> b) {
+  return std::ranges::equal(a, b, [](const TransducerDrive& x, const TransducerDrive& y) {
+    return x.amplitude == y.amplitude && x.phase == y.phase;
+  });
+}
+
 std::vector<std::vector<SlotFocus>> random_slots(std::size_t slots, std::size_t most_foci, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-0.08, 0.08);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <span>
 #include <vector>
 
 #include "array/drive.hpp"
@@ -38,6 +39,7 @@ inline DriveOptions with(Solver solver, Constraint constraint = Constraint::norm
 double angle_between(double a, double b);
 /// Counts the values that no drive may have: NaN, infinite or out of range.
 std::size_t faults(const Drive& drive);
+bool same(std::span<const TransducerDrive> a, std::span<const TransducerDrive> b);
 std::vector<std::vector<SlotFocus>> random_slots(std::size_t slots, std::size_t most_foci, unsigned seed);
 
 }  // namespace palpa::array

@@ -1,7 +1,6 @@
 // The free field's columns for foci, and what the drives that solvers work on give.
 #pragma once
 
-#include <algorithm>
 #include <complex>
 #include <cstddef>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "array/drive.hpp"
 #include "array/free_field.hpp"
 #include "array/solvers/hearing.hpp"
+#include "focus_sets.hpp"
 
 namespace palpa::array {
 
@@ -17,12 +17,8 @@ inline Columns columns_of(const Layout& layout, const std::vector<SlotFocus>& fo
   FreeField field;
   field.set(layout, {}, directivity);
   std::vector<FocusSource> sources;
-  for (const SlotFocus& focus : foci) {
-    double farthest = 0;
-    for (const Transducer& transducer : layout.transducers)
-      farthest = std::max(farthest, glm::distance(transducer.position, focus.position));
-    sources.push_back({focus.position, farthest, 1});
-  }
+  for (const SlotFocus& focus : foci)
+    sources.push_back({focus.position, farthest_of(layout, focus.position), 1});
   Columns columns;
   field.fill(sources, weighting, columns);
   return columns;

@@ -1,6 +1,7 @@
-// The sets of foci for which the solvers' figures are stated.
+// The sets of foci for which the solvers' figures are stated, and how far transducers are from one.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -10,6 +11,13 @@
 #include "array/drive.hpp"
 
 namespace palpa::array {
+
+inline double farthest_of(const Layout& layout, const Vec3& focus) {
+  double farthest = 0;
+  for (const Transducer& transducer : layout.transducers)
+    farthest = std::max(farthest, glm::distance(transducer.position, focus));
+  return farthest;
+}
 
 /// `count` random foci in a cube of 60 mm around `centre`, at least 8 mm apart.
 inline std::vector<SlotFocus> focus_set(unsigned seed, std::size_t count = 10, const Vec3& centre = Vec3(0)) {

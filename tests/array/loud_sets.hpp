@@ -2,13 +2,11 @@
 // balls, lines and two fingers, in any direction.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <random>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "focus_sets.hpp"
 
 namespace palpa::array {
 
@@ -48,10 +46,8 @@ inline void add_ring(SetRandom& random, std::size_t count, double radius, const 
   while (glm::length(v) < 0.1)
     v = glm::cross(u, random.direction());
   v = glm::normalize(v);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
-    foci.push_back({centre + radius * (std::cos(angle) * u + std::sin(angle) * v)});
-  }
+  const std::vector<SlotFocus> added = ring(count, radius, centre, u, v);
+  foci.insert(foci.end(), added.begin(), added.end());
 }
 
 /// Set `number` of `fewest` to `most` foci about the middle of a layout's space. The numbers take turns: a ring of 1.5

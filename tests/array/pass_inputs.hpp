@@ -6,10 +6,20 @@
 #include <vector>
 
 #include "array/drive_pass.hpp"
+#include "focus_sets.hpp"
 #include "gpu/texel_view.hpp"
 #include "support/device.hpp"
 
 namespace palpa::array {
+
+/// Rows of 40 transducers.
+inline Layout rows_of(std::size_t count) {
+  Layout layout;
+  for (std::size_t i = 0; i < count; ++i)
+    layout.transducers.push_back(
+        {{0.004 * static_cast<double>(i % 40), 0.004 * static_cast<double>(i / 40), 0}, {0, 0, 1}});
+  return layout;
+}
 
 struct PassInputs {
   std::vector<shader::DrivePoint> transducers;
@@ -34,11 +44,8 @@ struct PassInputs {
       several = several || count > 1;
       for (const SlotFocus& focus : slot) {
         const shader::DrivePoint point = drive_point(focus.position, turns);
-        double farthest = 0;
-        for (const Transducer& t : layout.transducers)
-          farthest = std::max(farthest, glm::distance(t.position, focus.position));
         foci.push_back({point.coarse, point.fine});
-        foci.back().coarse.w = static_cast<float>(1 / (farthest * turns));
+        foci.back().coarse.w = static_cast<float>(1 / (farthest_of(layout, focus.position) * turns));
         foci.back().fine.w = gain > 0 ? focus.gain / gain : 1;
       }
     }

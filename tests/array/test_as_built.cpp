@@ -25,16 +25,6 @@ double deviation(const std::vector<double>& values) {
   return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-TEST(AsBuilt, WithoutSpreadIsTheLayout) {
-  const AsBuilt built = as_built(board(), drive_of(0.5F, 1), {}, 1, 0);
-  EXPECT_EQ(built.temperature, 0);
-  for (std::size_t t = 0; t < built.drive.size(); ++t) {
-    EXPECT_EQ(built.drive[t].amplitude, 0.5F);
-    EXPECT_EQ(built.drive[t].phase, 1.0F);
-    EXPECT_EQ(built.layout.transducers[t].position, board().transducers[t].position);
-  }
-}
-
 TEST(AsBuilt, HasTheStandardDeviationsOfItsSpread) {
   const Spread spread{.amplitude = 0.1, .phase_rad = 0.3, .position_m = 5e-4, .temperature = 2};
   std::vector<double> amplitude, phase, temperature, off[3];
@@ -74,9 +64,12 @@ TEST(AsBuilt, EachDeviationHasItsOwnNumbers) {
   const AsBuilt phases = as_built(board(), drive, {.phase_rad = 0.2}, 9, 2);
   const AsBuilt places = as_built(board(), drive, {.position_m = 2e-3}, 9, 2);
   EXPECT_EQ(as_built(board(), drive, {.temperature = 3}, 9, 2).temperature, all.temperature);
+  EXPECT_EQ(phases.temperature, 0);
   for (std::size_t t = 0; t < drive.size(); ++t) {
     EXPECT_EQ(phases.drive[t].phase, all.drive[t].phase);
     EXPECT_EQ(phases.drive[t].amplitude, 0.5F);
+    EXPECT_EQ(phases.layout.transducers[t].position, board().transducers[t].position);
+    EXPECT_EQ(places.drive[t].phase, 1.0F);
     const Vec3 off = all.layout.transducers[t].position - board().transducers[t].position;
     const Vec3 twice = places.layout.transducers[t].position - board().transducers[t].position;
     EXPECT_NEAR(glm::length(twice - 2.0 * off), 0, 1e-15);

@@ -1,4 +1,4 @@
-// The boards as rectangles: sizes, facing, and the tunnel's rectangles do not touch.
+// The boards as rectangles: sizes and facing.
 #include <gtest/gtest.h>
 
 #include "array/layouts/board_mesh.hpp"
@@ -37,33 +37,6 @@ TEST(BoardMesh, OneRectanglePerBoardFacingWhereItSounds) {
       }
     }
   }
-}
-
-TEST(BoardMesh, TheTunnelsBoardsDoNotOverlap) {
-  const Layout layout = load_layout("paper");
-  const geometry::Mesh mesh = board_mesh(layout);
-  std::vector<Box> boxes(layout.boards.size());
-  for (std::size_t p = 0; p < mesh.positions.size(); ++p)
-    boxes[p / 4].add(mesh.positions[p]);
-  // The boards are parallel to the axes, so boxes are the boards themselves. Neighbours of one wall share an edge.
-  constexpr double edge = 1e-9;
-  for (std::size_t a = 0; a < boxes.size(); ++a) {
-    for (std::size_t b = a + 1; b < boxes.size(); ++b) {
-      bool overlap = true;
-      for (int axis = 0; axis < 3; ++axis) {
-        const bool flat =
-            boxes[a].high[axis] - boxes[a].low[axis] < edge && boxes[b].high[axis] - boxes[b].low[axis] < edge;
-        const double shared =
-            std::min(boxes[a].high[axis], boxes[b].high[axis]) - std::max(boxes[a].low[axis], boxes[b].low[axis]);
-        overlap = overlap && shared > (flat ? -edge : edge);
-      }
-      EXPECT_FALSE(overlap) << a << " " << b;
-    }
-  }
-  // Walls of 384 mm in a tunnel of 400: corners stay open by 8 mm.
-  const Box all = bounds(mesh);
-  EXPECT_NEAR(all.high.x, 0.2, 1e-12);
-  EXPECT_NEAR(all.high.z, 0.1514, 1e-12);
 }
 
 TEST(BoardMesh, BareTransducersHaveNone) {

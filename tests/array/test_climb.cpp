@@ -8,7 +8,6 @@
 #include "array/layouts/layout.hpp"
 #include "array/solvers/climb.hpp"
 #include "columns.hpp"
-#include "focus_sets.hpp"
 #include "loud_sets.hpp"
 
 namespace palpa::array {
@@ -89,22 +88,6 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
       EXPECT_LE(*std::ranges::max_element(last), 1.01 * *std::ranges::max_element(after));
     }
   }
-}
-
-TEST(Climb, TargetsAreRelativeAndMayBeNone) {
-  const Layout layout = load_layout("openmpd");
-  const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::uniform);
-  std::vector<Complex> drive = sums_of(columns, Constraint::uniform);
-  std::vector<double> shares(4, 1);
-  ClimbScratch scratch;
-  climb(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, {10, 40, 20, 1000, 1e-5}, shares, drive, scratch);
-  const auto heard = heard_of(columns, drive);
-  EXPECT_NEAR(heard[1] / heard[0], 0.5, 0.01);
-  EXPECT_NEAR(heard[2] / heard[0], 0.8, 0.01);
-  EXPECT_NEAR(heard[3] / heard[0], 0.25, 0.01);
-  const std::vector<Complex> first = drive;
-  EXPECT_EQ(climb(columns, std::vector<double>{0, 0, 0, 0}, {10, 40, 20, 1000, 1e-5}, shares, drive, scratch), 0);
-  EXPECT_EQ(drive, first);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promises about sines and
-// layout.
+// The pass itself: it stays inside its buffers, gives the same bytes every time, and keeps its promise about sines.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,13 +8,9 @@
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"
 #include "pass_inputs.hpp"
-#include "spirv/drive_focus.comp.hpp"
-#include "spirv/drive_sum.comp.hpp"
 #include "spirv/drive_sum_checked.comp.hpp"
-#include "spirv/drive_weighted.comp.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
-#include "support/spirv.hpp"
 #include "support/thrown.hpp"
 #include "support/watched_heap.hpp"
 
@@ -48,18 +43,11 @@ std::vector<shader::DriveOut> run_guarded(const PassInputs& inputs, const DriveB
       inputs, [&](VkCommandBuffer commands, const DriveBindings& bindings) { pass.record(commands, bindings, batch); });
 }
 
-Layout line(std::size_t count) {
-  Layout layout;
-  for (std::size_t i = 0; i < count; ++i)
-    layout.transducers.push_back({{0.001 * static_cast<double>(i), 0, 0}, {0, 0, 1}});
-  return layout;
-}
-
 TEST(DrivePass, StaysInsideItsBuffersAtEverySize) {
   // Around the group sizes: 32 threads, 4 or 8 transducers each, 64 slots per group.
   for (const std::size_t transducers : {1u, 31u, 32u, 33u, 127u, 129u, 255u, 256u, 257u}) {
     for (const std::size_t slots : {1u, 2u, 63u, 64u, 65u, 129u}) {
-      const Layout layout = line(transducers);
+      const Layout layout = rows_of(transducers);
       const auto batch = random_slots(slots, 3, static_cast<unsigned>(transducers * 1000 + slots));
       const PassInputs inputs(layout, batch);
       const auto drives = run_guarded(inputs, batch_of(inputs));
@@ -124,20 +112,6 @@ TEST(DrivePass, TheSameBytesOnEveryRun) {
   test::tell_digest("drives", digest.value());
 }
 
-TEST(DrivePass, LayoutIsWhatTheShadersHave) {
-  for (const gpu::Kernel* kernel : {&spirv::drive_focus_comp, &spirv::drive_sum_comp, &spirv::drive_weighted_comp}) {
-    const test::SpirvModule module = test::read_spirv(*kernel);
-    EXPECT_EQ(module.local_size[0], shader::drive_group);
-    EXPECT_EQ(module.local_size[1], 1u);
-    EXPECT_EQ(module.structs.at("DrivePush").offsets.at("constraint"), offsetof(shader::DrivePush, constraint));
-  }
-  // Slots of one focus are written as vectors. Transducers, foci and slots are read as texels, word by word in the
-  // order of drive.h.
-  const test::SpirvModule sum = test::read_spirv(spirv::drive_sum_comp);
-  EXPECT_EQ(sum.structs.at("DriveOut").offsets.at("phase"), offsetof(shader::DriveOut, phase));
-  EXPECT_EQ(sum.array_strides.at("DriveOut"), sizeof(shader::DriveOut));
-}
-
 TEST(DriveMemory, AreReusedBatchAfterBatchWithoutAllocating) {
   gpu::Device& device = test::test_device();
   const Layout layout = load_layout("autd3");
@@ -200,15 +174,11 @@ TEST(DriveMemory, MoreFociThanADevicesLoopsReachAreDrivenInFull) {
     ASSERT_TRUE(added);
     test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
     memory.solve_on_host();
-    const auto first = memory.drive(0), last = memory.drive(memory.slots() - 1);
-    EXPECT_TRUE(std::ranges::equal(first, last, [](const TransducerDrive& a, const TransducerDrive& b) {
-      return a.amplitude == b.amplitude && a.phase == b.phase && a.amplitude <= 1;
-    }));
-    if (batch > 0 || !on_host) continue;
-    const Drive expected = drive_for(layout, crowd);
-    for (std::uint32_t t = 0; t < 249; ++t) {
-      ASSERT_EQ(memory.drive(1)[t].amplitude, expected[t].amplitude);
-      ASSERT_EQ(memory.drive(1)[t].phase, expected[t].phase);
+    const auto first = memory.drive(0);
+    EXPECT_TRUE(same(first, memory.drive(memory.slots() - 1)));
+    EXPECT_EQ(faults(Drive(first.begin(), first.end())), 0u);
+    if (batch == 0 && on_host) {
+      EXPECT_TRUE(same(memory.drive(1), drive_for(layout, crowd)));
     }
   }
 }

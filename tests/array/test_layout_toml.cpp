@@ -109,8 +109,6 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
       {unit("type = \"autd3\"", "[nan, 1, 0, 0]"), "line 4: quaternion_wxyz must be 4 finite numbers in brackets"},
       {transducer("[0, 0]"), "line 2: position_m must be 3 finite numbers in brackets"},
       {transducer("[0, 0, 11]"), "line 2: position_m has a coordinate of 11 m; the limit is 10 m"},
-      {transducer("[0, 0, \"1\"]"), "line 2: position_m must be 3 finite numbers in brackets"},
-      {transducer("[0, 0, inf]"), "line 2: position_m must be 3 finite numbers in brackets"},
       {transducer("[0, 0, 1]", "[0, 0, 0]"), "line 3: axis has length 0, not 1"},
       {transducer("[0, 0, 1]") + "x = 1\n", "line 4: unknown key x in [[transducer]]; known: position_m, axis"},
       {"source_level_pa_m = 0\n",
@@ -118,8 +116,6 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
       {"transducer_radius_m = -1\n",
        "line 1: transducer_radius_m is -1; it must be above 0 and at most 0.1 m, such as 0.0045"},
       {"frequency_hz = 40\n", "line 1: frequency_hz is 40, expected 1000 to 10000000"},
-      {"source_level_pa_m = true\n", "line 1: source_level_pa_m must be a finite number"},
-      {"name = 3\n", "line 1: name must be a text in quotes, not empty"},
       {transducer("[0, 0, 1]") + transducer("[0, 0, 1]", "[0, 1, 0]"),
        "line 4: transducers 0 and 1 are at the same place"},
   };

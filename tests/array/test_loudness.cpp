@@ -318,19 +318,6 @@ TEST(Loudness, AmplitudesAreAtMostOneAndReportedPressuresAreReached) {
   }
 }
 
-TEST(Loudness, ASingleSlotIsDrivenAsInItsSchedule) {
-  const Layout layout = posed("paper");
-  Schedule schedule;
-  for (const double x : {-0.015, 0.015})
-    add_ring(schedule, {x, 0, 0}, 5e-3, 8e3);
-  Loudness loudness(layout, {});
-  loudness.solve(schedule, 10);
-  const auto [foci, listed] = slot_of(layout, schedule, 3, loudness);
-  const Drive own = drive_for(layout, foci);
-  for (std::size_t n = 0; n < listed.size(); ++n)
-    ASSERT_NEAR(own[n].amplitude, listed[n].amplitude, 1e-6);
-}
-
 TEST(Loudness, TheDeviceAddsUpTheSameDrives) {
   const Layout layout = posed("paper");
   const DriveOptions options{.solver = Solver::gs_pat};

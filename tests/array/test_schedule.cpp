@@ -152,24 +152,6 @@ TEST(Schedule, NoRoundingMakesAStepLate) {
   }
 }
 
-TEST(Schedule, TenSecondsOfFramesGiveEverySectorTheSameDwell) {
-  Schedule schedule;
-  std::vector<int> dwell(10);
-  int frame = -1;
-  for (std::uint64_t slot = 0; slot < static_cast<std::uint64_t>(10 / schedule.slot_s); ++slot) {
-    const int now = static_cast<int>(static_cast<double>(slot) * schedule.slot_s * 90);
-    if (now != frame) {
-      frame = now;
-      schedule.clear();
-      schedule.add_voice() = voice_of(10);
-    }
-    ++dwell[static_cast<std::size_t>(foci_at(schedule, slot).at(0).position.x)];
-  }
-  EXPECT_EQ(std::accumulate(dwell.begin(), dwell.end(), 0), 6666);
-  const auto [least, most] = std::ranges::minmax(dwell);
-  EXPECT_LE(most - least, 1);
-}
-
 TEST(Schedule, HasNoFociWithoutVoices) {
   Schedule schedule;
   std::vector<SlotFocus> foci{{}};
@@ -183,21 +165,15 @@ TEST(Schedule, HasNoFociWithoutVoices) {
   EXPECT_TRUE(foci.empty());
 }
 
-TEST(Modulation, IsASineFromNoneToFull) {
-  constexpr auto amplitude = Modulation::amplitude_sine;
+TEST(Modulation, OfTheAmplitudeIsASineOfThePressureItsSquareRoot) {
+  constexpr auto amplitude = Modulation::amplitude_sine, pressure = Modulation::pressure_sine;
   EXPECT_EQ(modulation_gain(amplitude, 0, 12.3), 1);
-  EXPECT_DOUBLE_EQ(modulation_gain(amplitude, 200, 0), 0.5);
-  EXPECT_DOUBLE_EQ(modulation_gain(amplitude, 200, 1.25e-3), 1);
-  EXPECT_NEAR(modulation_gain(amplitude, 200, 3.75e-3), 0, 1e-15);
-  EXPECT_NEAR(modulation_gain(amplitude, 200, 1000.00125), 1, 1e-9);
-}
-
-TEST(Modulation, OfThePressureIsTheSquareRoot) {
-  constexpr auto pressure = Modulation::pressure_sine;
   EXPECT_EQ(modulation_gain(pressure, 0, 12.3), 1);
+  EXPECT_NEAR(modulation_gain(amplitude, 200, 1000.00125), 1, 1e-9);
   for (double t = 0; t < 0.02; t += 1.7e-4) {
-    const double gain = modulation_gain(pressure, 200, t);
-    EXPECT_NEAR(gain * gain, 0.5 + 0.5 * std::sin(400 * std::numbers::pi * t), 1e-12) << t;
+    const double sine = 0.5 + 0.5 * std::sin(400 * std::numbers::pi * t), gain = modulation_gain(pressure, 200, t);
+    EXPECT_NEAR(modulation_gain(amplitude, 200, t), sine, 1e-12) << t;
+    EXPECT_NEAR(gain * gain, sine, 1e-12) << t;
   }
 }
 

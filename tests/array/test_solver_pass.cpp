@@ -1,5 +1,4 @@
-// The solvers' pass: it stays inside its buffers at every size, gives the same bytes every time, and has its header's
-// layout.
+// The solvers' pass: it stays inside its buffers at every size, and gives the same bytes every time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,31 +13,14 @@
 #include "focus_sets.hpp"
 #include "gpu/barrier.hpp"
 #include "pass_inputs.hpp"
-#include "spirv/solve_diagonal.comp.hpp"
-#include "spirv/solve_eigenvalue.comp.hpp"
-#include "spirv/solve_even_phases.comp.hpp"
-#include "spirv/solve_greedy.comp.hpp"
-#include "spirv/solve_mirrored.comp.hpp"
-#include "spirv/solve_refine.comp.hpp"
-#include "spirv/solve_weights.comp.hpp"
-#include "spirv/solve_weights_few.comp.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
 #include "support/instrumented.hpp"
-#include "support/spirv.hpp"
 
 namespace palpa::array {
 namespace {
 
 using test::GuardedBuffer;
-
-Layout line(std::size_t count) {
-  Layout layout;
-  for (std::size_t i = 0; i < count; ++i)
-    layout.transducers.push_back(
-        {{0.004 * static_cast<double>(i % 40), 0.004 * static_cast<double>(i / 40), 0}, {0, 0, 1}});
-  return layout;
-}
 
 /// R of all slots, as the pass left it.
 std::vector<std::complex<float>> matrices_of(const gpu::Scratch& scratch, std::size_t entries) {
@@ -96,10 +78,9 @@ void run_guarded(const Layout& layout, const std::vector<std::vector<SlotFocus>>
     const std::size_t count = batch[s].size();
     for (const auto& [row, column] : {std::pair{count - 1, 0ul}, {0ul, count - 1}, {count / 2, count / 2}}) {
       std::complex<double> sum = 0;
-      double size = 0, farthest = 0;
+      double size = 0;
       const Vec3 at = batch[s][row].position, asks = batch[s][column].position;
-      for (const Transducer& t : layout.transducers)
-        farthest = std::max(farthest, glm::distance(t.position, asks));
+      const double farthest = farthest_of(layout, asks);
       for (const Transducer& t : layout.transducers) {
         const double d = glm::distance(t.position, at), other = glm::distance(t.position, asks);
         const double loud = directivity(Directivity::t4010a1, (at.z - t.position.z) / d, 3.3) / (d * turns);
@@ -119,21 +100,21 @@ TEST(SolverPass, StaysInsideItsBuffersAtEverySize) {
                                                   focus_set(5, 11, {0.05, 0, 0.1}),   focus_set(6, 17, {0.05, 0, 0.1}),
                                                   focus_set(7, 33, {0.05, 0, 0.1})};
   for (const std::size_t transducers : test::the_first<std::size_t>(2, {33, 300, 1, 31, 129})) {
-    run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::normalise);
-    run_guarded(line(transducers), batch, Solver::gs_pat, Constraint::uniform);
-    run_guarded(line(transducers), batch, Solver::greedy, Constraint::uniform);
-    run_guarded(line(transducers), batch, Solver::eigenvalue, Constraint::uniform);
-    run_guarded(line(transducers), batch, Solver::back_propagation, Constraint::normalise);
-    run_guarded(line(transducers), batch, Solver::back_propagation, Constraint::clamp);
+    run_guarded(rows_of(transducers), batch, Solver::gs_pat, Constraint::normalise);
+    run_guarded(rows_of(transducers), batch, Solver::gs_pat, Constraint::uniform);
+    run_guarded(rows_of(transducers), batch, Solver::greedy, Constraint::uniform);
+    run_guarded(rows_of(transducers), batch, Solver::eigenvalue, Constraint::uniform);
+    run_guarded(rows_of(transducers), batch, Solver::back_propagation, Constraint::normalise);
+    run_guarded(rows_of(transducers), batch, Solver::back_propagation, Constraint::clamp);
   }
 }
 
 // For each kernel, the smallest case: instrumented kernels take most of a minute to compile.
 TEST(SolverPass, StaysInsideItsBuffers) {
   const std::vector<std::vector<SlotFocus>> batch{focus_set(3, 3, {0.05, 0, 0.1}), focus_set(5, 11, {0.05, 0, 0.1})};
-  run_guarded(line(33), batch, Solver::gs_pat, Constraint::uniform);
-  run_guarded(line(33), batch, Solver::greedy, Constraint::uniform);
-  run_guarded(line(33), batch, Solver::eigenvalue, Constraint::uniform);
+  run_guarded(rows_of(33), batch, Solver::gs_pat, Constraint::uniform);
+  run_guarded(rows_of(33), batch, Solver::greedy, Constraint::uniform);
+  run_guarded(rows_of(33), batch, Solver::eigenvalue, Constraint::uniform);
 }
 
 TEST(SolverPass, TheSameBytesOnEveryRun) {
@@ -161,7 +142,7 @@ TEST(SolverPass, TheSameBytesOnEveryRun) {
 
 TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
   // More transducers than a single dispatch handles.
-  const Layout layout = line(shader::solve_turns + 700);
+  const Layout layout = rows_of(shader::solve_turns + 700);
   const DriveOptions options = with(Solver::greedy);
   const std::vector<std::vector<SlotFocus>> slots{focus_set(1, 3, {0.08, 0.4, 0.2})};
   const auto twin = backends[0].drives(layout, slots, options), device = backends[1].drives(layout, slots, options);
@@ -169,27 +150,6 @@ TEST(SolverPass, GreedyGoesOnFromStretchToStretch) {
   for (std::size_t t = 0; t < twin[0].size(); ++t)
     others += angle_between(twin[0][t].phase, device[0][t].phase) > 1e-4;
   EXPECT_LE(others, twin[0].size() / 10);
-}
-
-TEST(SolverPass, LayoutIsWhatTheShadersHave) {
-  const std::pair<const gpu::Kernel*, std::uint32_t> kernels[]{
-      {&spirv::solve_diagonal_comp, shader::solve_group},
-      {&spirv::solve_eigenvalue_comp, shader::solve_group},
-      {&spirv::solve_mirrored_comp, shader::solve_group},
-      {&spirv::solve_weights_comp, shader::solve_group},
-      {&spirv::solve_weights_few_comp, shader::solve_weights_few_group},
-      {&spirv::solve_even_phases_comp, shader::solve_phases_group},
-      {&spirv::solve_refine_comp, shader::solve_group},
-      {&spirv::solve_greedy_comp, shader::solve_group}};
-  for (const auto& [kernel, threads] : kernels) {
-    const test::SpirvModule module = test::read_spirv(*kernel);
-    const char* name = kernel->name;
-    EXPECT_EQ(module.local_size[0], threads) << name;
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("nearest"), offsetof(shader::SolvePush, nearest)) << name;
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("refinings"), offsetof(shader::SolvePush, refinings)) << name;
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("most_weight"), offsetof(shader::SolvePush, most_weight));
-    EXPECT_EQ(module.structs.at("SolvePush").offsets.at("next"), offsetof(shader::SolvePush, next));
-  }
 }
 
 }  // namespace

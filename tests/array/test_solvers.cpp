@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 #include <numbers>
@@ -250,28 +249,21 @@ TEST_P(SolverOn, ConstraintsHold) {
   }
 }
 
-TEST_P(SolverOn, OneFocusIsThePapersWhateverTheSolver) {
-  const Layout layout = load_layout("paper");
-  const SlotFocus focus{{0.01, 0.02, -0.01}, 0.7F};
-  const Drive naive = GetParam().drive(layout, {focus});
-  for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
-    for (const Directivity kind : {Directivity::omni, Directivity::t4010a1}) {
-      DriveOptions options = with(solver);
-      options.directivity = kind;
-      const Drive drive = GetParam().drive(layout, {focus}, options);
-      EXPECT_EQ(std::memcmp(drive.data(), naive.data(), naive.size() * sizeof(naive[0])), 0);
+TEST_P(SolverOn, OneFocusAndMoreThanItTakesAreNaiveWhateverTheSolver) {
+  const Layout layout = load_layout("openmpd");
+  std::vector<SlotFocus> one{{{0.01, 0.02, 0.11}, 0.7F}}, many = random_slots(1, 1000, 2)[0];
+  ASSERT_GT(many.size(), 66u);
+  many.resize(65);
+  for (const std::vector<SlotFocus>& foci : {one, many}) {
+    const Drive naive = GetParam().drive(layout, foci);
+    for (const Solver solver : {Solver::gs_pat, Solver::greedy}) {
+      for (const Directivity kind : {Directivity::omni, Directivity::t4010a1}) {
+        DriveOptions options = with(solver);
+        options.directivity = kind;
+        EXPECT_TRUE(same(GetParam().drive(layout, foci, options), naive)) << foci.size();
+      }
     }
   }
-}
-
-TEST_P(SolverOn, MoreFociThanItTakesAreNaive) {
-  const Layout layout = load_layout("openmpd");
-  auto foci = random_slots(1, 1000, 2)[0];
-  ASSERT_GT(foci.size(), 66u);
-  foci.resize(65);
-  const Drive naive = GetParam().drive(layout, foci);
-  for (const Solver solver : {Solver::gs_pat, Solver::greedy})
-    EXPECT_EQ(farthest(GetParam().drive(layout, foci, with(solver)), naive), 0);
 }
 
 TEST_P(SolverOn, SixtyFourFociAtOnce) {

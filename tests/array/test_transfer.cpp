@@ -1,4 +1,4 @@
-// The solvers' inputs: the free field's columns against its formula, R against sums computed here.
+// The solvers' inputs: the free field's columns against its formula.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,9 +23,7 @@ TEST(FreeField, ColumnsAreTheFormula) {
     ASSERT_EQ(columns.foci, foci.size());
     ASSERT_EQ(columns.transducers, layout.transducers.size());
     for (std::size_t j = 0; j < foci.size(); ++j) {
-      double farthest = 0;
-      for (const Transducer& t : layout.transducers)
-        farthest = std::max(farthest, glm::distance(t.position, foci[j].position));
+      const double farthest = farthest_of(layout, foci[j].position);
       for (std::size_t n = 0; n < columns.transducers; ++n) {
         const Vec3 way = foci[j].position - layout.transducers[n].position;
         const double d = glm::length(way);
@@ -39,25 +37,6 @@ TEST(FreeField, ColumnsAreTheFormula) {
   }
   for (const double asked : columns_of(layout, foci, Weighting::uniform, Directivity::omni).asked)
     ASSERT_EQ(asked, 1);
-}
-
-TEST(FocusMatrix, IsWhatArrivesOfWhatIsAsked) {
-  const Columns columns = columns_of(load_layout("openmpd"), foci, Weighting::distance);
-  FocusMatrix matrix;
-  // Twice: it reuses its storage, but none of the old contents.
-  for (int time = 0; time < 2; ++time)
-    multiply(columns, matrix);
-  ASSERT_EQ(matrix.foci, 3u);
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      Complex sum = 0;
-      for (std::size_t n = 0; n < columns.transducers; ++n)
-        sum += columns.transfer(n * 3 + row) * columns.ask(n * 3 + column);
-      EXPECT_LE(std::abs(matrix.at(row, column) - sum), 1e-9 * std::abs(matrix.alone(row)));
-    }
-    EXPECT_NEAR(matrix.alone(row), matrix.at(row, row).real(), 0);
-    EXPECT_NEAR(matrix.at(row, row).imag(), 0, 1e-9 * matrix.alone(row));
-  }
 }
 
 }  // namespace

@@ -172,14 +172,18 @@ std::string warnings_of(const GltfBuilder& builder, std::size_t meshes) {
   return stderr_of([&] { EXPECT_EQ(load(builder).meshes.size(), meshes); });
 }
 
-std::string fault_of_file(const std::filesystem::path& file) {
+std::string fault_of_reading(const std::filesystem::path& file, const std::function<void()>& read) {
   [[maybe_unused]] const double start = processor_s();
-  std::string line = error_of([&] { geometry::make_solids(geometry::load_gltf(file)); });
+  std::string line = error_of(read);
 #ifdef NDEBUG
   EXPECT_LT(processor_s() - start, slowest) << line;
 #endif
   EXPECT_TRUE(line.empty() || line.starts_with(file.string() + ": ")) << line;
   return line;
+}
+
+std::string fault_of_file(const std::filesystem::path& file) {
+  return fault_of_reading(file, [&] { geometry::make_solids(geometry::load_gltf(file)); });
 }
 
 std::string fault_of(const GltfBuilder& builder) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,8 +67,10 @@ geometry::Scene load(const GltfBuilder& builder, std::optional<int> scene = std:
 /// What is written to stderr when the file is read; it must have this many meshes.
 std::string warnings_of(const GltfBuilder& builder, std::size_t meshes = 1);
 
-/// The error when the file is read and made into solids: it must begin with the file's name, and cost a second of
-/// processor time at most. "" if there is none.
+/// The error when `read` reads the file: it must begin with the file's name, and cost a second of processor time at
+/// most. "" if there is none.
+std::string fault_of_reading(const std::filesystem::path& file, const std::function<void()>& read);
+/// The same when the file is read and made into solids.
 std::string fault_of_file(const std::filesystem::path& file);
 std::string fault_of(const GltfBuilder& builder);
 

@@ -25,16 +25,8 @@ struct Integers {
   double low, high;
 };
 Integers integers_of(int component) {
-  switch (component) {
-    case 5120:
-      return {-127, 127};
-    case 5121:
-      return {0, 255};
-    case 5122:
-      return {-32767, 32767};
-    default:
-      return {0, 65535};
-  }
+  constexpr Integers all[]{{-127, 127}, {0, 255}, {-32767, 32767}, {0, 65535}};
+  return all[component - 5120];
 }
 
 int add_accessor(GltfBuilder& file, const Json& accessor) {
@@ -68,11 +60,9 @@ Quantized quantized_file(const Mesh& mesh, int component, bool normalized) {
   const auto integer = [&, low = low](double x) { return std::round(low + x / result.step); };
   for (const Vec3& p : mesh.positions) {
     for (int i = 0; i < 3; ++i) {
-      const double n = integer(p[i] - box.low[i]);
-      if (component == 5120) put(bytes, static_cast<std::int8_t>(n));
-      if (component == 5121) put(bytes, static_cast<std::uint8_t>(n));
-      if (component == 5122) put(bytes, static_cast<std::int16_t>(n));
-      if (component == 5123) put(bytes, static_cast<std::uint16_t>(n));
+      const auto n = static_cast<std::int32_t>(integer(p[i] - box.low[i]));
+      if (component < 5122) put(bytes, static_cast<std::uint8_t>(n));
+      if (component >= 5122) put(bytes, static_cast<std::uint16_t>(n));
     }
     // Vertices are aligned to four bytes.
     while (bytes.size() % 4 != 0)

@@ -30,13 +30,6 @@ TEST(Weld, SharesEqualPositionsAndKeepsOrderOfFirstUse) {
   EXPECT_TRUE(find_defects(welded).closed_and_oriented());
 }
 
-TEST(Weld, DoesNotDependOnHowTheInputWasIndexed) {
-  const Mesh shared = test::sphere(1, 12, 20);
-  const Mesh a = weld(shared), b = weld(test::unshared(shared));
-  EXPECT_EQ(a.positions, b.positions);
-  EXPECT_EQ(a.triangles, b.triangles);
-}
-
 TEST(Weld, TakesNegativeZeroForZero) {
   const Mesh mesh{{{0.0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, -0.0, 0}, {0, 1, -0.0}, {-1, 0, 0}},
                   {{0, 1, 2}, {3, 4, 5}}};

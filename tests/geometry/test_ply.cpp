@@ -12,6 +12,7 @@
 #include <random>
 
 #include "geometry/files/load_triangles.hpp"
+#include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
 #include "support/captured.hpp"
 #include "support/no_file.hpp"
@@ -38,13 +39,7 @@ Ply read(const std::string& bytes) {
 }
 
 std::string fault_of_file(const std::filesystem::path& file) {
-  [[maybe_unused]] const double start = test::processor_s();
-  std::string line = test::error_of([&] { read_ply(file); });
-#ifdef NDEBUG
-  EXPECT_LT(test::processor_s() - start, test::slowest) << line;
-#endif
-  EXPECT_TRUE(line.starts_with(file.string() + ": ")) << line;
-  return line;
+  return test::fault_of_reading(file, [&] { read_ply(file); });
 }
 
 std::string fault_of(const std::string& bytes) {

@@ -19,6 +19,7 @@
 #include "geometry/surface/surface.hpp"
 #include "geometry/surface/surface_samples.hpp"
 #include "geometry/surface/surface_triangles.hpp"
+#include "hostile_models.hpp"
 #include "support/captured.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
@@ -259,12 +260,7 @@ TEST(Shells, KnowWhatIsAroundThem) {
 
 TEST(Shells, AnyNumberInEachOther) {
   constexpr std::uint32_t count = 300;
-  Mesh mesh;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    Mesh layer = box(Vec3(-1.0 - i), Vec3(1.0 + i));
-    if (i % 2 == 0) flip(layer);
-    append(mesh, layer);
-  }
+  const Mesh mesh = test::hostile::nested(count, true);
   Shells shells = find_shells(mesh, twins(mesh));
   find_nesting(mesh, Bvh(mesh), shells);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -274,21 +270,8 @@ TEST(Shells, AnyNumberInEachOther) {
   }
 }
 
-// Long rods side by side along a diagonal: all their boxes overlap, but no rods meet.
-Mesh rods(int per_side) {
-  const Vec3 a = glm::normalize(Vec3(1, -1, 0)), b = glm::normalize(Vec3(1, 1, -2)), along = glm::normalize(Vec3(1));
-  Mesh mesh;
-  for (int i = 0; i < per_side * per_side; ++i) {
-    const double x = i % per_side, y = i / per_side;
-    append(mesh, test::transformed(box(Vec3(0), Vec3(0.3, 0.3, 1)), [&](const Vec3& p) {
-             return (a * (p.x + x) + b * (p.y + y)) * (0.5 / per_side) + along * (2 * p.z - 1);
-           }));
-  }
-  return mesh;
-}
-
 TEST(Limits, PairsThatAreLookedAtAreCounted) {
-  const Mesh mesh = rods(5);
+  const Mesh mesh = test::hostile::rods(25);
   const Bvh bvh(mesh);
   EXPECT_FALSE(find_self_intersection(mesh, bvh, 300 * 300));
   EXPECT_CONTAINS(test::error_of([&] { find_self_intersection(mesh, bvh, 1000); }, Exit::failed),
@@ -300,7 +283,7 @@ TEST(Limits, PairsThatAreLookedAtAreCounted) {
 }
 
 TEST(Limits, StepsToASurfacesGridAreCounted) {
-  const Mesh mesh = rods(12);
+  const Mesh mesh = test::hostile::rods(144);
   EXPECT_FALSE(make_surface(mesh, {}).empty());
   EXPECT_CONTAINS(
       test::error_of([&] { make_surface(mesh, {.steps_per_cell = 250, .steps_per_triangle = 0, .spare_steps = 0}); },

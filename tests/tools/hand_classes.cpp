@@ -28,23 +28,20 @@ constexpr Recorded recordings[] = {
 };
 constexpr std::uint64_t first_recording = 30000;
 
-RatedHand recorded(std::uint64_t seed) {
-  const Recorded& entry = recordings[(seed - first_recording) % std::size(recordings)];
-  RatedHand hand;
-  hand.kind = "recorded";
-  hand.seed = seed;
+void recorded(RatedHand& hand, hands::Random&) {
+  const Recorded& entry = recordings[(hand.seed - first_recording) % std::size(recordings)];
   hand.what = entry.folder;
   hand.recording = shared_data(entry.folder);
   const sensing::Recording recording = sensing::load_recording(hand.recording);
   hand.cameras = recording.cameras;
   hand.solids = geometry::make_solids(geometry::load_gltf(
       entry.assets ? source_file(std::string("assets/") + entry.assets) : shared_data(entry.scene)));
+  hand.rate_hz = 90;
   hand.length_s = (static_cast<double>(recording.entries.size()) + 0.5) / hand.rate_hz;
   hand.predict_s = entry.predict_s;
   hand.fingers = entry.fingers;
   hand.slides = entry.slides;
   if (entry.predict_s) hand.what += ", predicted";
-  return hand;
 }
 
 constexpr HandClass classes[] = {
@@ -69,11 +66,11 @@ constexpr HandClass classes[] = {
     {"pinch", 18000, 15, hands::pinch, "thumb and index finger come down, 44 contacts of the index finger"},
     {"taps", 19000, 15, hands::taps, "double taps at 4 to 8 Hz, 1 to 5 mm deep"},
     {"leave", 20000, 18, hands::leave, "withdrawals at 20, 100 and 300 mm/s"},
-    {"leave-ahead", 21000, 18, hands::leave_ahead, "the same, predicted by 20 ms"},
+    {"leave-ahead", 21000, 18, hands::leave, "the same, predicted by 20 ms", 20e-3},
     {"slide", 22000, 15, hands::slide, "slides at 50 to 300 mm/s"},
-    {"slide-ahead", 23000, 15, hands::slide_ahead, "the same, predicted by 20 ms"},
-    {"faint", 24000, 15, hands::faint, "0 to 0.2 mm deep at 200 mm/s, predicted by 20 ms"},
-    {"turning", 25000, 15, hands::turning, "fingers that turn and roll, predicted by 20 ms"},
+    {"slide-ahead", 23000, 15, hands::slide, "the same, predicted by 20 ms", 20e-3},
+    {"faint", 24000, 15, hands::faint, "0 to 0.2 mm deep at 200 mm/s, predicted by 20 ms", 20e-3},
+    {"turning", 25000, 15, hands::turning, "fingers that turn and roll, predicted by 20 ms", 20e-3},
     {"meeting", 26000, 15, hands::meeting, "two fingers that cross, or meet and part"},
     {"above", 27000, 12, hands::above, "a finger presses, or touches lightly; cameras above"},
     {"beside", 28000, 12, hands::beside, "the same, cameras beside"},
@@ -89,7 +86,10 @@ std::span<const HandClass> hand_classes() {
 }
 
 RatedHand make_hand_of(const HandClass& kind, std::uint64_t seed) {
-  RatedHand hand = kind.make(seed);
+  RatedHand hand = hands::begun(seed);
+  hand.predict_s = kind.predict_s;
+  hands::Random random(seed);
+  kind.make(hand, random);
   hand.what += fmt::format("; {} cameras, {:.0f} Hz", hand.cameras.size(), hand.rate_hz);
   return hand;
 }

@@ -16,6 +16,10 @@
 
 namespace palpa::test {
 
+namespace hands {
+class Random;
+}
+
 /// Skin that moves as one. Its parts are the hand's from `first_part` on.
 struct HandBody {
   const HandSkin* skin = nullptr;
@@ -25,7 +29,6 @@ struct HandBody {
 
 /// One or more hands or fingers at solids, filmed by depth cameras.
 struct RatedHand {
-  std::string kind;  ///< its class
   std::uint64_t seed = 0;
   std::string what;  ///< for people
   std::vector<geometry::Solid> solids;
@@ -47,8 +50,9 @@ struct HandClass {
   const char* name;
   std::uint64_t first_seed;  ///< the others follow
   std::uint32_t hands;
-  RatedHand (*make)(std::uint64_t seed);
+  void (*make)(RatedHand& hand, hands::Random& random);  ///< adds to begun()'s hand
   const char* says;
+  std::optional<double> predict_s{};
 };
 /// In the order of the table.
 std::span<const HandClass> hand_classes();

@@ -64,9 +64,8 @@ std::vector<sensing::Camera> ring(int count, double elevation_deg, double azimut
   return cameras;
 }
 
-RatedHand begun(const char* kind, std::uint64_t seed) {
+RatedHand begun(std::uint64_t seed) {
   RatedHand hand;
-  hand.kind = kind;
   hand.seed = seed;
   hand.cameras = touch::test::paper_cameras(1 + static_cast<int>(seed % 3));
   hand.rate_hz = seed / 3 % 3 == 2 ? 30 : 90;

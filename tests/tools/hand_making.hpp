@@ -61,7 +61,7 @@ geometry::Solid plate(double thick_m, double half_m = 0.3);
 double thick_plate(Random& random);
 std::vector<sensing::Camera> ring(int count, double elevation_deg, double azimuth_deg, double distance_m);
 /// One to three cameras of the paper's rig, 30 or 90 Hz.
-RatedHand begun(const char* kind, std::uint64_t seed);
+RatedHand begun(std::uint64_t seed);
 
 // ---- skin -----------------------------------------------------------------------------------------------------------
 
@@ -104,36 +104,8 @@ void press_to(RatedHand& hand, int contacts, double deepest_m, const std::functi
 
 // ---- the classes ----------------------------------------------------------------------------------------------------
 
-RatedHand fist(std::uint64_t seed);
-RatedHand spread(std::uint64_t seed);
-RatedHand flat(std::uint64_t seed);
-RatedHand palm(std::uint64_t seed);
-RatedHand touching(std::uint64_t seed);
-RatedHand relaxed(std::uint64_t seed);
-RatedHand leans(std::uint64_t seed);
-RatedHand odd(std::uint64_t seed);
-RatedHand two_people(std::uint64_t seed);
-RatedHand thin(std::uint64_t seed);
-RatedHand through(std::uint64_t seed);
-RatedHand back(std::uint64_t seed);
-RatedHand rims(std::uint64_t seed);
-RatedHand sparse(std::uint64_t seed);
-RatedHand hover(std::uint64_t seed);
-
-RatedHand touch_and_leave(std::uint64_t seed);
-RatedHand landing(std::uint64_t seed);
-RatedHand second_finger(std::uint64_t seed);
-RatedHand pinch(std::uint64_t seed);
-RatedHand taps(std::uint64_t seed);
-RatedHand leave(std::uint64_t seed);
-RatedHand leave_ahead(std::uint64_t seed);
-RatedHand slide(std::uint64_t seed);
-RatedHand slide_ahead(std::uint64_t seed);
-RatedHand faint(std::uint64_t seed);
-RatedHand turning(std::uint64_t seed);
-RatedHand meeting(std::uint64_t seed);
-RatedHand above(std::uint64_t seed);
-RatedHand beside(std::uint64_t seed);
-RatedHand below(std::uint64_t seed);
+using Make = void(RatedHand& hand, Random& random);
+Make fist, spread, flat, palm, touching, relaxed, leans, odd, two_people, thin, through, back, rims, sparse, hover;
+Make touch_and_leave, landing, second_finger, pinch, taps, leave, slide, faint, turning, meeting, above, beside, below;
 
 }  // namespace palpa::test::hands

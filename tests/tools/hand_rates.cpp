@@ -1,11 +1,10 @@
 // Prints what palpa makes of hundreds of rendered hands (hand_classes.cpp), class by class. Not a test; run it by hand.
 //
-//   hand_rates [--csv FILE] [--trace] [--draw FOLDER] [--without RULE]... [CLASS | SEED]...
+//   hand_rates [--csv FILE] [--without RULE]... [CLASS | SEED]...
 //
 // Without classes or seeds, all of them. A seed replays one hand; with its class, any number is a seed. --csv: also a
-// line for each hand, in a file. --trace: also a line for each frame. --draw: also a picture of each hand, in an
-// existing folder. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges, falling, whole,
-// again, members, or all).
+// line for each hand, in a file. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges,
+// falling, whole, again, members, or all).
 //
 // Hands and fingers are rendered as one to three D415 see them, with that sensor's noise, and go through palpa's chain
 // frame by frame: contacts, fingers, foci, prediction, events. The same arguments give the same bytes, with any number
@@ -58,7 +57,6 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "hand_classes.hpp"
-#include "hand_pictures.hpp"
 #include "hand_scores.hpp"
 #include "touch/stage_setting.hpp"
 
@@ -69,12 +67,11 @@ struct Job {
   const HandClass* kind = nullptr;
   std::uint64_t seed = 0;
   HandScore score;
-  std::string what, trace;
+  std::string what;
 };
 
 struct Asked {
-  bool trace = false;
-  std::filesystem::path csv, draw;
+  std::filesystem::path csv;
   std::uint32_t rules = ~0U;
   std::vector<std::string_view> names;
   std::vector<std::uint64_t> seeds;
@@ -102,10 +99,6 @@ Asked asked_by(int argc, char** argv) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
     if (word == "--csv" && i + 1 < argc) {
       asked.csv = argv[++i];
-    } else if (word == "--trace") {
-      asked.trace = true;
-    } else if (word == "--draw" && i + 1 < argc) {
-      asked.draw = argv[++i];
     } else if (word == "--without" && i + 1 < argc) {
       asked.rules &= ~rule_of(argv[++i]);
     } else if (error == std::errc() && end == word.data() + word.size()) {
@@ -125,10 +118,10 @@ std::vector<Job> jobs_for(const Asked& asked) {
     if (!asked.names.empty() && std::ranges::find(asked.names, kind.name) == asked.names.end()) continue;
     const std::uint64_t end = kind.first_seed + kind.hands;
     for (const std::uint64_t seed : asked.seeds) {
-      if (!asked.names.empty() || (seed >= kind.first_seed && seed < end)) jobs.push_back({&kind, seed, {}, {}, {}});
+      if (!asked.names.empty() || (seed >= kind.first_seed && seed < end)) jobs.push_back({&kind, seed, {}, {}});
     }
     for (std::uint64_t seed = kind.first_seed; asked.seeds.empty() && seed < end; ++seed)
-      jobs.push_back({&kind, seed, {}, {}, {}});
+      jobs.push_back({&kind, seed, {}, {}});
   }
   return jobs;
 }
@@ -211,15 +204,8 @@ void run(const Asked& asked) {
     Job& job = jobs[i];
     const RatedHand hand = make_hand_of(*job.kind, job.seed);
     job.what = hand.what;
-    job.score = score_of(hand, asked.rules, asked.trace ? &job.trace : nullptr);
-    if (!asked.draw.empty() && !hand.bodies.empty())
-      draw_hand(hand, asked.draw / fmt::format("{}-{}.png", job.kind->name, job.seed));
+    job.score = score_of(hand, asked.rules);
   });
-  for (const Job& job : jobs) {
-    if (asked.trace)
-      std::printf("%s %llu: %s\n%s", job.kind->name, static_cast<unsigned long long>(job.seed), job.what.c_str(),
-                  job.trace.c_str());
-  }
   if (!asked.csv.empty()) write_csv(jobs, asked.csv);
   print_table(jobs);
 }

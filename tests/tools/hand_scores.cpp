@@ -1,7 +1,5 @@
 #include "hand_scores.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -75,8 +73,7 @@ struct Sounding {
 
 class Scoring {
  public:
-  Scoring(const RatedHand& hand, std::uint32_t rules, std::string* trace)
-      : hand_(hand), chain_(hand, rules), trace_(trace) {
+  Scoring(const RatedHand& hand, std::uint32_t rules) : hand_(hand), chain_(hand, rules) {
     if (!hand.bodies.empty()) truth_.emplace(hand);
     const auto press = hand.solids[0].haptics.press_depth_m;
     if (press) press_m_ = *press;
@@ -169,28 +166,6 @@ class Scoring {
       if (event.kind == session::EventKind::touch) ++score_.touches;
       if (event.kind == session::EventKind::release) ++releases_;
     }
-    if (trace_) trace(k, touch);
-  }
-
-  void trace(std::size_t k, const touch::Touch& touch) const {
-    const Count& count = counts_.back();
-    std::string& out = *trace_;
-    out += fmt::format("  {:.3f} s: {} fingers, right {} ({} to {});", hand_.time_of(k), count.found, count.right,
-                       count.least, count.most);
-    for (std::uint32_t p = 0; p < parts_.back().size(); ++p) {
-      const PartThen& part = parts_.back()[p];
-      if (part.contacts > 0 || part.depth_m > 0)
-        out += fmt::format(" part {}{}: {} contacts, {:.2f} mm{}", p, part.of_palm ? " of palm" : "", part.contacts,
-                           part.depth_m * 1e3, part.sounds ? "" : " silent");
-    }
-    out += "; of " + std::to_string(touch.contacts.size());
-    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-      const touch::Finger& finger = touch.fingers[f];
-      const auto at = before_.find(finger.id);
-      out += fmt::format("  id {}: {} contacts, {:.2f} mm, ", finger.id, finger.contact_count, finger.depth_m * 1e3);
-      out += at == before_.end() ? "silent" : fmt::format("part {}", at->second.part);
-    }
-    out += '\n';
   }
 
   /// The parts that have at least a tenth of a finger's contacts, the one with most first.
@@ -346,7 +321,6 @@ class Scoring {
   const RatedHand& hand_;
   HandChain chain_;
   std::optional<HandTruth> truth_;
-  std::string* trace_;
   double press_m_ = 0;
   HandScore score_;
   int releases_ = 0, true_releases_ = 0;
@@ -376,21 +350,17 @@ void HandScore::add(const HandScore& other) {
   append(first_s, other.first_s), append(second_s, other.second_s), append(leaves_s, other.leaves_s);
 }
 
-double HandScore::right_share() const {
-  return frames == 0 ? 1 : static_cast<double>(right) / static_cast<double>(frames);
-}
-
-double HandScore::silent_share() const {
-  return finger_frames == 0 ? 0 : static_cast<double>(silent) / static_cast<double>(finger_frames);
-}
-
 double HandScore::badness() const {
+  const auto share = [](std::size_t part, std::size_t all, double of_none) {
+    return all == 0 ? of_none : static_cast<double>(part) / static_cast<double>(all);
+  };
   const auto over = [](const std::vector<double>& values, double limit) {
     return std::max(0.0, quantile(values, 0.99) - limit);
   };
-  return 100 * (1 - right_share()) + 5 * events + 2 * changes + 20 * std::abs(touches - true_touches) +
-         20 * std::abs(presses - true_presses) + 20 * swaps + 100 * silent_share() + 10e3 * over(jumps_m, 1e-3) +
-         1e3 * over(deeper_m, 1e-3) + 100 * over(first_s, 25e-3) + 100 * over(second_s, 70e-3) + over(leaves_s, 0);
+  return 100 * (1 - share(right, frames, 1)) + 5 * events + 2 * changes + 20 * std::abs(touches - true_touches) +
+         20 * std::abs(presses - true_presses) + 20 * swaps + 100 * share(silent, finger_frames, 0) +
+         10e3 * over(jumps_m, 1e-3) + 1e3 * over(deeper_m, 1e-3) + 100 * over(first_s, 25e-3) +
+         100 * over(second_s, 70e-3) + over(leaves_s, 0);
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -400,8 +370,8 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(std::max(rank, 0.0))];
 }
 
-HandScore score_of(const RatedHand& hand, std::uint32_t rules, std::string* trace) {
-  return Scoring(hand, rules, trace).score();
+HandScore score_of(const RatedHand& hand, std::uint32_t rules) {
+  return Scoring(hand, rules).score();
 }
 
 }  // namespace palpa::test

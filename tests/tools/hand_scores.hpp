@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "hand_classes.hpp"
@@ -19,8 +18,6 @@ struct HandScore {
   std::vector<double> jumps_m, deeper_m, first_s, second_s, leaves_s, ahead_m;
 
   void add(const HandScore& other);
-  double right_share() const;
-  double silent_share() const;
   /// How bad a hand is beside others of its class.
   double badness() const;
 };
@@ -28,7 +25,7 @@ struct HandScore {
 /// The value that this share of the values does not exceed; 0 without values.
 double quantile(std::vector<double> values, double share);
 
-/// `rules`: bits of touch::StageSetting::hysteresis_rules. `trace`: a line per frame goes there; may be null.
-HandScore score_of(const RatedHand& hand, std::uint32_t rules, std::string* trace = nullptr);
+/// `rules`: bits of touch::StageSetting::hysteresis_rules.
+HandScore score_of(const RatedHand& hand, std::uint32_t rules);
 
 }  // namespace palpa::test

@@ -72,7 +72,7 @@ HandTruth::HandTruth(const RatedHand& hand)
 HandTruth::~HandTruth() = default;
 
 TrueFrame HandTruth::depths_at(double time_s) const {
-  TrueFrame frame{.time_s = time_s};
+  TrueFrame frame;
   frame.depth_m.assign(hand_.parts(), -1);
   Box near;
   for (const geometry::Solid& solid : hand_.solids) {
@@ -97,10 +97,7 @@ TrueFrame HandTruth::depths_at(double time_s) const {
 }
 
 const TrueFrame& HandTruth::at(double time_s) {
-  if (counted_ && !hand_.moves) {
-    frame_.time_s = time_s;
-    return frame_;
-  }
+  if (counted_ && !hand_.moves) return frame_;
   frame_ = depths_at(time_s);
   count(frame_);
   counted_ = true;

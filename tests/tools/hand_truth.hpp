@@ -12,7 +12,6 @@ namespace palpa::test {
 
 /// A moment of a hand.
 struct TrueFrame {
-  double time_s = 0;
   std::vector<Transform> T_world_body, T_body_world;
   std::vector<int> contacts;   ///< per part: skin in the shell in the pictures without noise
   std::vector<Vec3> centroid;  ///< per part: of these contacts

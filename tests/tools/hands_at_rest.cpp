@@ -10,9 +10,7 @@ namespace palpa::test::hands {
 namespace {
 
 /// A hand on a plate.
-RatedHand resting(const char* kind, std::uint64_t seed, const HandPose& pose, Random& random, const Lean& lean,
-                  double press_m, double plate_m) {
-  RatedHand hand = begun(kind, seed);
+void resting(RatedHand& hand, Random& random, const HandPose& pose, const Lean& lean, double press_m, double plate_m) {
   hand.solids = {plate(plate_m)};
   const bool left = random.coin();
   const HandSkin& skin = hand_skin(pose, left);
@@ -20,7 +18,12 @@ RatedHand resting(const char* kind, std::uint64_t seed, const HandPose& pose, Ra
   hand.what =
       fmt::format("{} hand, turn {:.0f}, tilt {:.0f}, roll {:.0f}, {:.1f} mm deep, plate {:.0f} mm",
                   left ? "left" : "right", lean.turn_deg, lean.tilt_deg, lean.roll_deg, press_m * 1e3, plate_m * 1e3);
-  return hand;
+}
+
+void on_thick_plate(RatedHand& hand, Random& random, const HandPose& pose, const Lean& lean, double least_m,
+                    double most_m) {
+  const double press_m = random.between(least_m, most_m);
+  resting(hand, random, pose, lean, press_m, thick_plate(random));
 }
 
 Lean lean_of(Random& random, double tilt_least_deg, double tilt_most_deg, double roll_deg = 10) {
@@ -30,86 +33,60 @@ Lean lean_of(Random& random, double tilt_least_deg, double tilt_most_deg, double
 
 }  // namespace
 
-RatedHand fist(std::uint64_t seed) {
-  Random random(seed);
+void fist(RatedHand& hand, Random& random) {
   const HandPose pose = varied(named("fist"), random.below(2));
-  const Lean lean = lean_of(random, 0, 45, 15);
-  const double deep = random.between(3e-3, 8e-3);
-  return resting("fist", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean_of(random, 0, 45, 15), 3e-3, 8e-3);
 }
 
-RatedHand spread(std::uint64_t seed) {
-  Random random(seed);
+void spread(RatedHand& hand, Random& random) {
   const HandPose pose = varied(named("spread"), random.below(3));
-  const Lean lean = lean_of(random, 15, 55);
-  const double deep = random.between(8e-3, 25e-3);
-  return resting("spread", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean_of(random, 15, 55), 8e-3, 25e-3);
 }
 
-RatedHand flat(std::uint64_t seed) {
-  Random random(seed);
+void flat(RatedHand& hand, Random& random) {
   const HandPose pose = random.coin() ? varied(named("spread"), random.below(3)) : fingers_together();
-  const Lean lean = lean_of(random, 84, 96, 5);
-  const double deep = random.between(3e-3, 15e-3);
-  return resting("flat", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean_of(random, 84, 96, 5), 3e-3, 15e-3);
 }
 
-RatedHand palm(std::uint64_t seed) {
-  Random random(seed);
+void palm(RatedHand& hand, Random& random) {
   HandPose pose = random.coin() ? varied(named("spread"), random.below(3)) : fingers_together();
   pose.thumb.abduction = -0.5;  // in the plane of the palm
-  const Lean lean = lean_of(random, 86, 96, 5);
-  const double deep = random.between(3e-3, 14e-3);
-  return resting("palm", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean_of(random, 86, 96, 5), 3e-3, 14e-3);
 }
 
-RatedHand touching(std::uint64_t seed) {
-  Random random(seed);
+void touching(RatedHand& hand, Random& random) {
   if (random.coin()) {
     const HandPose pose = varied(fingers_together(), random.below(3));
-    const Lean lean = lean_of(random, 15, 55);
-    const double deep = random.between(6e-3, 25e-3);
-    return resting("touching", seed, pose, random, lean, deep, thick_plate(random));
+    on_thick_plate(hand, random, pose, lean_of(random, 15, 55), 6e-3, 25e-3);
+    return;
   }
-  RatedHand hand = begun("touching", seed);
   hand.solids = {plate(thick_plate(random))};
   const std::size_t count = 2 + random.below(3);
   const double thick = random.between(14e-3, 18e-3), turn = random.between(0, 360), tilt = random.between(0, 60),
                deep = random.between(1.5e-3, 12e-3);
   add_row(hand, count, thick, thick, turn, tilt, [&] { return deep + random.between(-0.5e-3, 0.5e-3); });
   hand.what = fmt::format("{} fingers of {:.1f} mm, tilt {:.0f}, {:.1f} mm deep", count, thick * 1e3, tilt, deep * 1e3);
-  return hand;
 }
 
-RatedHand relaxed(std::uint64_t seed) {
-  Random random(seed);
+void relaxed(RatedHand& hand, Random& random) {
   const HandPose pose = varied(named("relaxed"), random.below(3));
-  const Lean lean = lean_of(random, 10, 55);
-  const double deep = random.between(6e-3, 22e-3);
-  return resting("relaxed", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean_of(random, 10, 55), 6e-3, 22e-3);
 }
 
-RatedHand leans(std::uint64_t seed) {
-  Random random(seed);
+void leans(RatedHand& hand, Random& random) {
   const HandPose pose = one_of(random, std::array{named("spread"), named("relaxed"), fingers_together()}, 3);
-  const Lean lean = lean_of(random, 55, 80, 30);
-  const double deep = random.between(6e-3, 25e-3);
-  return resting("leaning", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean_of(random, 55, 80, 30), 6e-3, 25e-3);
 }
 
-RatedHand odd(std::uint64_t seed) {
-  Random random(seed);
+void odd(RatedHand& hand, Random& random) {
   const HandPose pose =
       random.of(std::array{pinching(), ring_of_two(), two_straight(), three_straight(), claw(), named("point")});
   Lean lean = lean_of(random, -40, 80, 45);
   lean.turn_deg = random.between(0, 360);
-  const double deep = random.between(4e-3, 25e-3);
-  return resting("odd", seed, pose, random, lean, deep, thick_plate(random));
+  on_thick_plate(hand, random, pose, lean, 4e-3, 25e-3);
 }
 
-RatedHand two_people(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("two-people", seed);
+void two_people(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   const double apart = random.between(35e-3, 80e-3);
   for (const double side : {1.0, -1.0}) {
@@ -128,40 +105,35 @@ RatedHand two_people(std::uint64_t seed) {
     add(hand, skin, at({aside, -deep, side * (foremost + apart / 2)}, T));
   }
   hand.what = fmt::format("{:.0f} mm apart", apart * 1e3);
-  return hand;
 }
 
-RatedHand thin(std::uint64_t seed) {
-  Random random(seed);
+void thin(RatedHand& hand, Random& random) {
   const std::array poses{named("spread"), named("relaxed"), fingers_together(), named("fist")};
   const HandPose pose = one_of(random, poses, 2);
   const double tilt = random.of(std::array{20.0, 45.0, 65.0, 88.0});
   const Lean lean = lean_of(random, tilt - 5, tilt + 5);
-  return resting("thin", seed, pose, random, lean, random.between(1e-3, 12e-3), 2e-3);
+  resting(hand, random, pose, lean, random.between(1e-3, 12e-3), 2e-3);
 }
 
-RatedHand through(std::uint64_t seed) {
-  Random random(seed);
+void through(RatedHand& hand, Random& random) {
   const HandPose pose = random.of(std::array{named("spread"), named("relaxed"), named("point"), two_straight()});
   const Lean lean = lean_of(random, 5, 50);
   const double thick = random.between(6e-3, 15e-3);
-  return resting("through", seed, pose, random, lean, thick + random.between(3e-3, 12e-3), thick);
+  resting(hand, random, pose, lean, thick + random.between(3e-3, 12e-3), thick);
 }
 
-RatedHand back(std::uint64_t seed) {
-  Random random(seed);
+void back(RatedHand& hand, Random& random) {
   const HandPose pose = varied(random.coin() ? named("spread") : named("relaxed"), random.below(3));
   const Lean lean = lean_of(random, -100, -80, 8);
   const double deep = random.between(2e-3, 10e-3);
-  return resting("back", seed, pose, random, lean, deep, random.below(3) > 0 ? 2e-3 : 35e-3);
+  resting(hand, random, pose, lean, deep, random.below(3) > 0 ? 2e-3 : 35e-3);
 }
 
-RatedHand rims(std::uint64_t seed) {
-  Random random(seed);
+void rims(RatedHand& hand, Random& random) {
   const std::array poses{named("spread"), named("relaxed"), fingers_together(), named("point")};
   const HandPose pose = one_of(random, poses, 2);
   const Lean lean = lean_of(random, 15, 70);
-  RatedHand hand = resting("rims", seed, pose, random, lean, random.between(2e-3, 12e-3), 40e-3);
+  resting(hand, random, pose, lean, random.between(2e-3, 12e-3), 40e-3);
   // The middle of the touch is on an edge of a small box.
   const double half = random.between(20e-3, 40e-3), thick = random.of(std::array{3e-3, 25e-3, 40e-3});
   const Vec3 way = transform_direction(turned({0, 1, 0}, random.between(0, 360)), {0, 0, 1});
@@ -169,12 +141,9 @@ RatedHand rims(std::uint64_t seed) {
   hand.solids = {plate(thick, half)};
   hand.bodies[0].pose = [T = at(way * far, hand.bodies[0].pose(0))](double) { return T; };
   hand.what += fmt::format(", at the edge of a box of {:.0f} x {:.0f} mm", 2e3 * half, thick * 1e3);
-  return hand;
 }
 
-RatedHand sparse(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("sparse", seed);
+void sparse(RatedHand& hand, Random& random) {
   hand.solids = {plate(35e-3)};
   const double thick = random.between(14e-3, 17e-3), apart = thick + random.between(0, 1e-3),
                turn = random.between(0, 360), tilt = random.between(0, 45), elevation = random.between(-45, -10),
@@ -184,11 +153,11 @@ RatedHand sparse(std::uint64_t seed) {
   const auto contacts_of = [](const TrueFrame& frame) {
     return frame.contacts[0] + frame.contacts[1] + frame.contacts[2];
   };
-  if (seed % 3 == 0) {  // tips that graze the surface
+  if (hand.seed % 3 == 0) {  // tips that graze the surface
     hand.cameras = ring(1, elevation, azimuth, random.between(0.5, 0.6));
     add_row(hand, 3, thick, apart, turn, tilt, [] { return 0; });
     press_to(hand, 3 * wanted, 4e-3, contacts_of);
-    return hand;
+    return;
   }
   // Fingers that reach through it, seen from so far away that a row of pixels is left of each.
   const double deep = random.between(5e-3, 14e-3);
@@ -201,19 +170,15 @@ RatedHand sparse(std::uint64_t seed) {
     (contacts_of(truth.at(0)) > 3 * wanted ? near : far) = middle;
   }
   hand.what += fmt::format(", {:.1f} mm deep, camera at {:.2f} m", deep * 1e3, far);
-  return hand;
 }
 
-RatedHand hover(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("hover", seed);
+void hover(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   hand.length_s = 2;
   const double above = random.between(0.1e-3, 0.2e-3);
   const Standing skin = pointer(random);
   add(hand, *skin.skin, at({0, above, 0}, skin.T));
   hand.what = fmt::format("{:.2f} mm above", above * 1e3);
-  return hand;
 }
 
 }  // namespace palpa::test::hands

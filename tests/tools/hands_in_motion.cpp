@@ -6,14 +6,12 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
-#include <optional>
 
 #include "hand_making.hpp"
 
 namespace palpa::test::hands {
 namespace {
 
-constexpr double latency_s = 20e-3;  ///< that is predicted
 constexpr std::array speeds{0.05, 0.1, 0.2, 0.3};
 
 /// The height over time of skin that comes down, stays and leaves.
@@ -39,54 +37,13 @@ void add_visit(RatedHand& hand, const Standing& skin, const Visit& visit, const 
   add(hand, *skin.skin, [=](double t) { return at(place + Vec3(0, visit.height(t), 0), skin.T); });
 }
 
-RatedHand leaving(const char* kind, std::uint64_t seed, std::optional<double> predict_s) {
-  Random random(seed);
-  RatedHand hand = begun(kind, seed);
-  hand.solids = {plate(thick_plate(random))};
-  hand.predict_s = predict_s;
-  hand.rate_hz = seed / 9 % 2 == 1 ? 30 : 90;
-  Visit visit{.high_m = 20e-3, .deep_m = random.of(std::array{1e-3, 2e-3, 4e-3})};
-  visit.up_m_s = std::array{0.02, 0.1, 0.3}[seed / 3 % 3];
-  visit.leaves_s = some_time(hand, random, 0.2);
-  hand.length_s = visit.leaves_s + visit.deep_m / visit.up_m_s + 0.15;
-  add_visit(hand, pointer(random), visit);
-  hand.what = fmt::format("from {:.0f} mm up at {:.0f} mm/s", visit.deep_m * 1e3, visit.up_m_s * 1e3);
-  return hand;
-}
-
-RatedHand sliding(const char* kind, std::uint64_t seed, std::optional<double> predict_s) {
-  Random random(seed);
-  RatedHand hand = begun(kind, seed);
-  hand.solids = {plate(thick_plate(random))};
-  hand.predict_s = predict_s;
-  const double speed = random.of(speeds), deep = random.between(2e-3, 6e-3);
-  hand.length_s = std::min(hand.length_s, 0.11 / speed);
-  const Vec3 way = transform_direction(turned({0, 1, 0}, random.between(0, 360)), {speed, 0, 0});
-  Standing skin = pointer(random);
-  const char* what = "a finger";
-  if (random.below(3) == 0) {
-    const HandPose pose = random.coin() ? named("relaxed") : two_straight();
-    const HandSkin& whole = hand_skin(pose, random.coin());
-    const double turn = usual_turn(random);
-    skin = {&whole, leaning(whole, {turn, random.between(15, 50), 0}, 1)};
-    what = "a hand";
-  }
-  hand.moves = true;
-  add(hand, *skin.skin,
-      [=, half_s = hand.length_s / 2](double t) { return at(way * (t - half_s) - Vec3(0, deep, 0), skin.T); });
-  hand.what = fmt::format("{} at {:.0f} mm/s, {:.1f} mm deep", what, speed * 1e3, deep * 1e3);
-  return hand;
-}
-
-RatedHand pressing(const char* kind, std::uint64_t seed, double lowest_deg, double highest_deg) {
-  Random random(seed);
-  RatedHand hand = begun(kind, seed);
+void pressing(RatedHand& hand, Random& random, double lowest_deg, double highest_deg) {
   const double elevation = random.between(lowest_deg, highest_deg), azimuth = random.between(0, 360);
-  hand.cameras = ring(1 + static_cast<int>(seed % 3), elevation, azimuth, random.between(0.35, 0.45));
+  hand.cameras = ring(1 + static_cast<int>(hand.seed % 3), elevation, azimuth, random.between(0.35, 0.45));
   hand.solids = {plate(60e-3, 50e-3)};
   hand.solids[0].haptics.press_depth_m = 3e-3;
   // Half of the fingers do not press.
-  Visit visit{.deep_m = seed / 3 % 2 == 0 ? random.between(4e-3, 6e-3) : random.between(1e-3, 2.2e-3)};
+  Visit visit{.deep_m = hand.seed / 3 % 2 == 0 ? random.between(4e-3, 6e-3) : random.between(1e-3, 2.2e-3)};
   visit.comes_s = some_time(hand, random, 0.12);
   visit.down_m_s = random.of(std::array{0.05, 0.1, 0.2});
   visit.leaves_s = visit.there_s() + 0.5;
@@ -94,14 +51,11 @@ RatedHand pressing(const char* kind, std::uint64_t seed, double lowest_deg, doub
   const bool upright = random.coin();
   add_visit(hand, upright ? fingertip(random, 15) : pointer(random), visit);
   hand.what = fmt::format("{:.1f} mm deep, cameras {:.0f} degrees above the horizon", visit.deep_m * 1e3, elevation);
-  return hand;
 }
 
 }  // namespace
 
-RatedHand touch_and_leave(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("touch", seed);
+void touch_and_leave(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   Visit visit{.deep_m = random.between(1e-3, 6e-3)};
   visit.comes_s = some_time(hand, random, 0.12);
@@ -112,12 +66,9 @@ RatedHand touch_and_leave(std::uint64_t seed) {
   add_visit(hand, pointer(random), visit);
   hand.what = fmt::format("down at {:.0f} mm/s, {:.1f} mm deep, up at {:.0f} mm/s", visit.down_m_s * 1e3,
                           visit.deep_m * 1e3, visit.up_m_s * 1e3);
-  return hand;
 }
 
-RatedHand landing(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("landing", seed);
+void landing(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   const HandPose pose = one_of(random, std::array{named("spread"), named("relaxed"), fingers_together()}, 3);
   const HandSkin& skin = hand_skin(pose, random.coin());
@@ -129,12 +80,9 @@ RatedHand landing(std::uint64_t seed) {
   add_visit(hand, {&skin, leaning(skin, {turn, tilt, roll}, usual_scale(random))}, visit);
   hand.what = fmt::format("turn {:.0f}, tilt {:.0f}, roll {:.0f}, down at {:.0f} mm/s, {:.1f} mm deep", turn, tilt,
                           roll, visit.down_m_s * 1e3, visit.deep_m * 1e3);
-  return hand;
 }
 
-RatedHand second_finger(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("second", seed);
+void second_finger(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   const double apart = random.between(19e-3, 32e-3), thick = random.between(15e-3, 19e-3),
                turn = random.between(0, 360), tilt = random.between(0, 55);
@@ -151,12 +99,9 @@ RatedHand second_finger(std::uint64_t seed) {
   add_visit(hand, finger, comes, aside);
   hand.what = fmt::format("{:.1f} mm apart, {:.1f} mm thick, down at {:.0f} mm/s, {:.1f} mm deep beside {:.1f} mm",
                           apart * 1e3, thick * 1e3, comes.down_m_s * 1e3, comes.deep_m * 1e3, rests.deep_m * 1e3);
-  return hand;
 }
 
-RatedHand pinch(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("pinch", seed);
+void pinch(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   const bool left = random.coin();
   const HandPose pose = pinching();
@@ -173,9 +118,9 @@ RatedHand pinch(std::uint64_t seed) {
   const Transform T_world_pinch = turned({0, 1, 0}, turn) * turned({1, 0, 0}, lean) * turned({0, 0, 1}, low);
   add(hand, skin, standing(skin, T_world_pinch * T_pinch_skin * scaled(usual_scale(random)), 2e-3));
   hand.what = fmt::format("the thumb is lower by {:.0f} degrees", low);
-  if (seed % 2 == 1) {  // from farther away, as many contacts are a larger patch
+  if (hand.seed % 2 == 1) {  // from farther away, as many contacts are a larger patch
     const double elevation = random.between(-55, -20), azimuth = random.between(0, 360);
-    hand.cameras = ring(1 + static_cast<int>(seed % 3), elevation, azimuth, random.between(0.5, 0.65));
+    hand.cameras = ring(1 + static_cast<int>(hand.seed % 3), elevation, azimuth, random.between(0.5, 0.65));
     hand.what += ", far cameras";
   }
   press_to(hand, 44, 10e-3, [](const TrueFrame& frame) { return frame.contacts[1]; });
@@ -184,12 +129,9 @@ RatedHand pinch(std::uint64_t seed) {
   hand.moves = true;
   hand.bodies[0].pose = [=, deep = hand.bodies[0].pose](double t) { return at({0, visit.height(t), 0}, deep(t)); };
   hand.length_s = visit.there_s() + 0.5;
-  return hand;
 }
 
-RatedHand taps(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("taps", seed);
+void taps(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   const double hz = random.between(4, 8), deep = random.between(1e-3, 5e-3), high = random.between(3e-3, 10e-3),
                begins_s = some_time(hand, random, 0.15);
@@ -201,28 +143,41 @@ RatedHand taps(std::uint64_t seed) {
   });
   hand.length_s = begins_s + 2 / hz + 0.15;
   hand.what = fmt::format("{:.1f} Hz, {:.1f} mm deep, {:.1f} mm high", hz, deep * 1e3, high * 1e3);
-  return hand;
 }
 
-RatedHand leave(std::uint64_t seed) {
-  return leaving("leave", seed, std::nullopt);
-}
-RatedHand leave_ahead(std::uint64_t seed) {
-  return leaving("leave-ahead", seed, latency_s);
-}
-
-RatedHand slide(std::uint64_t seed) {
-  return sliding("slide", seed, std::nullopt);
-}
-RatedHand slide_ahead(std::uint64_t seed) {
-  return sliding("slide-ahead", seed, latency_s);
+void leave(RatedHand& hand, Random& random) {
+  hand.solids = {plate(thick_plate(random))};
+  hand.rate_hz = hand.seed / 9 % 2 == 1 ? 30 : 90;
+  Visit visit{.high_m = 20e-3, .deep_m = random.of(std::array{1e-3, 2e-3, 4e-3})};
+  visit.up_m_s = std::array{0.02, 0.1, 0.3}[hand.seed / 3 % 3];
+  visit.leaves_s = some_time(hand, random, 0.2);
+  hand.length_s = visit.leaves_s + visit.deep_m / visit.up_m_s + 0.15;
+  add_visit(hand, pointer(random), visit);
+  hand.what = fmt::format("from {:.0f} mm up at {:.0f} mm/s", visit.deep_m * 1e3, visit.up_m_s * 1e3);
 }
 
-RatedHand faint(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("faint", seed);
+void slide(RatedHand& hand, Random& random) {
+  hand.solids = {plate(thick_plate(random))};
+  const double speed = random.of(speeds), deep = random.between(2e-3, 6e-3);
+  hand.length_s = std::min(hand.length_s, 0.11 / speed);
+  const Vec3 way = transform_direction(turned({0, 1, 0}, random.between(0, 360)), {speed, 0, 0});
+  Standing skin = pointer(random);
+  const char* what = "a finger";
+  if (random.below(3) == 0) {
+    const HandPose pose = random.coin() ? named("relaxed") : two_straight();
+    const HandSkin& whole = hand_skin(pose, random.coin());
+    const double turn = usual_turn(random);
+    skin = {&whole, leaning(whole, {turn, random.between(15, 50), 0}, 1)};
+    what = "a hand";
+  }
+  hand.moves = true;
+  add(hand, *skin.skin,
+      [=, half_s = hand.length_s / 2](double t) { return at(way * (t - half_s) - Vec3(0, deep, 0), skin.T); });
+  hand.what = fmt::format("{} at {:.0f} mm/s, {:.1f} mm deep", what, speed * 1e3, deep * 1e3);
+}
+
+void faint(RatedHand& hand, Random& random) {
   hand.solids = {plate(60e-3)};
-  hand.predict_s = latency_s;
   hand.length_s = 0.55;
   const double deep = random.between(0, 0.2e-3);
   const Vec3 way = transform_direction(turned({0, 1, 0}, random.between(0, 360)), {0.2, 0, 0});
@@ -230,14 +185,10 @@ RatedHand faint(std::uint64_t seed) {
   add(hand, finger_skin(),
       [=, T = fingertip(random).T](double t) { return at(way * (t - 0.275) - Vec3(0, deep, 0), T); });
   hand.what = fmt::format("200 mm/s, {:.2f} mm deep", deep * 1e3);
-  return hand;
 }
 
-RatedHand turning(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("turning", seed);
+void turning(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
-  hand.predict_s = latency_s;
   const double deep = random.between(2e-3, 5e-3);
   // About the vertical through the tip, or about a horizontal line 8 mm above it, as a finger that rolls.
   const bool rolls = random.coin();
@@ -258,12 +209,9 @@ RatedHand turning(std::uint64_t seed) {
   });
   hand.what = fmt::format("{} by {:.0f} degrees, at most {:.0f} degrees/s, {:.1f} mm deep", rolls ? "rolls" : "turns",
                           swing_deg, rate_deg, deep * 1e3);
-  return hand;
 }
 
-RatedHand meeting(std::uint64_t seed) {
-  Random random(seed);
-  RatedHand hand = begun("meeting", seed);
+void meeting(RatedHand& hand, Random& random) {
   hand.solids = {plate(thick_plate(random))};
   const double thick = 18e-3, far = 38e-3, speed = random.of(std::array{0.05, 0.1, 0.2}),
                aside = random.of(std::array{14e-3, 19e-3});
@@ -280,17 +228,16 @@ RatedHand meeting(std::uint64_t seed) {
   }
   hand.length_s = (crosses ? far : far - thick) / speed;
   hand.what = fmt::format("{} at {:.0f} mm/s each", crosses ? "cross" : "meet and part", speed * 1e3);
-  return hand;
 }
 
-RatedHand above(std::uint64_t seed) {
-  return pressing("above", seed, 15, 40);
+void above(RatedHand& hand, Random& random) {
+  pressing(hand, random, 15, 40);
 }
-RatedHand beside(std::uint64_t seed) {
-  return pressing("beside", seed, -10, 10);
+void beside(RatedHand& hand, Random& random) {
+  pressing(hand, random, -10, 10);
 }
-RatedHand below(std::uint64_t seed) {
-  return pressing("below", seed, -55, -25);
+void below(RatedHand& hand, Random& random) {
+  pressing(hand, random, -55, -25);
 }
 
 }  // namespace palpa::test::hands
