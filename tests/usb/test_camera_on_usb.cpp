@@ -100,16 +100,6 @@ std::vector<std::string> run_with(const std::string& nodes, const std::string& r
               {"--source", "v4l2:" + nodes, "--backend", "cpu"});
 }
 
-TEST(CameraOnUsb, IsFoundByDoctor) {
-  const PluggedCamera camera("C1");
-  const Result result = palpa({"doctor", "--backend", "cpu", "--json", "-"});
-  const json cameras = json::parse(result.out)["cameras"];
-  ASSERT_FALSE(cameras.empty()) << result.out << result.err;
-  EXPECT_EQ(cameras[0]["id"], "8086:0b07") << cameras;
-  EXPECT_EQ(cameras[0]["serial"], "C1") << cameras;
-  EXPECT_CONTAINS(cameras.dump(), camera.node());
-}
-
 TEST(CameraOnUsb, GivesItsFramesBitForBit) {
   PluggedCamera camera("C1");
   const sensing::Rig rig = rig_of(1, 90);
@@ -144,6 +134,7 @@ TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
   const auto folder = scratch_folder("set");
   write_text(folder / "rig.toml", rig);
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
+  EXPECT_CONTAINS(doctor.out, camera.node());
   EXPECT_CONTAINS(doctor.out, "its depth unit is 1 mm");
   const Result result = palpa(with(with({"run"}, run_with(camera.node(), (folder / "rig.toml").string())),
                                    {"--frames", "2", "--record", (folder / "take").string()}));

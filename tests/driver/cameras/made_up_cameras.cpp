@@ -7,7 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
+
+#include "driver/cameras/made_up_frames.hpp"
 
 namespace palpa::driver::v4l2::test {
 namespace {
@@ -18,13 +19,8 @@ void deliver(MadeUpCamera& camera, double time_s) {
   const std::uint32_t buffer = camera.queued.front();
   camera.queued.erase(camera.queued.begin());
   std::vector<std::byte>& memory = camera.buffers[buffer];
-  const std::size_t stride = std::size_t{camera.width} * 2 + camera.padding;
-  std::vector<std::uint16_t> row(camera.width);
-  for (std::uint32_t v = 0; v < camera.height; ++v) {
-    for (std::uint32_t u = 0; u < camera.width; ++u)
-      row[u] = pixel_of(frame, v * camera.width + u);
-    std::memcpy(memory.data() + v * stride, row.data(), row.size() * 2);
-  }
+  cameras::test::write_frame(memory.data(), frame, camera.width, camera.height,
+                             std::size_t{camera.width} * 2 + camera.padding);
   const bool cut = camera.cut.contains(frame);
   const bool again = camera.repeated.contains(frame);
   camera.filled.push_back({buffer, static_cast<std::uint32_t>(cut ? memory.size() / 2 : memory.size()),

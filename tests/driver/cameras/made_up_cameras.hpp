@@ -51,11 +51,6 @@ struct MadeUpCamera {
   std::vector<Filled> filled;
 };
 
-/// The value of every pixel of frame n of a camera.
-inline std::uint16_t pixel_of(std::uint64_t frame, std::uint32_t pixel) {
-  return static_cast<std::uint16_t>(1 + frame % 60000 + pixel % 5);
-}
-
 /// The emulated machine. It outlives the Kernel that uses it, which the source owns.
 struct Machine {
   double now_s = 100;

@@ -11,45 +11,20 @@
 #include <vector>
 
 #include "driver/cameras/made_up_cameras.hpp"
+#include "driver/cameras/made_up_frames.hpp"
 #include "driver/v4l2/source.hpp"
 
 namespace palpa::driver::v4l2::test {
 
+using cameras::test::described;
+using cameras::test::frame_of;
 inline constexpr double period_s = 1.0 / 90;
-
-inline sensing::Camera described(const std::string& name) {
-  sensing::Camera camera;
-  camera.name = name;
-  camera.width = 64;
-  camera.height = 48;
-  camera.fx = camera.fy = 50;
-  camera.cx = 32;
-  camera.cy = 24;
-  camera.depth_unit_m = 0.0001;
-  camera.rate_hz = 90;
-  return camera;
-}
 
 inline std::unique_ptr<sensing::DepthSource> open(Machine& machine, const std::vector<std::string>& nodes,
                                                   std::vector<sensing::Camera> cameras = {}) {
   while (cameras.size() < nodes.size())
     cameras.push_back(described("camera " + std::to_string(cameras.size() + 1)));
   return open_cameras(machine.kernel(), cameras, nodes, "rig.toml");
-}
-
-/// The number of the frame that an image shows completely; 0 if it has no data.
-inline std::uint64_t frame_of(const sensing::DepthFrame& image) {
-  if (image.depth[0] == 0) {
-    for (const std::uint16_t depth : image.depth)
-      EXPECT_EQ(depth, 0);
-    return 0;
-  }
-  const std::uint64_t frame = image.depth[0] - 1u;
-  for (std::uint32_t i = 0; i < image.depth.size(); ++i) {
-    if (image.depth[i] != pixel_of(frame, i)) ADD_FAILURE() << "pixel " << i << " of frame " << frame;
-    if (image.depth[i] != pixel_of(frame, i)) break;
-  }
-  return frame;
 }
 
 /// Cameras "A", "B", ... at /dev/video0, /dev/video2, ..., and their source.

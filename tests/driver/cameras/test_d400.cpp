@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "driver/cameras/made_up_cameras.hpp"
+#include "driver/cameras/made_up_frames.hpp"
 #include "driver/v4l2/doctor.hpp"
 #include "driver/v4l2/rig.hpp"
 #include "driver/v4l2/source.hpp"
@@ -42,16 +43,7 @@ void make_d400(MadeUpCamera& camera, D400Unit& held) {
   };
 }
 
-sensing::Camera described() {
-  sensing::Camera camera;
-  camera.name = "left";
-  camera.width = 848;
-  camera.height = 480;
-  camera.fx = camera.fy = 400;
-  camera.depth_unit_m = 0.0001;
-  camera.rate_hz = 90;
-  return camera;
-}
+const sensing::Camera d400 = cameras::test::described("left", 848, 480, 400);
 
 struct D400 : ::testing::Test {
   Machine machine;
@@ -70,7 +62,7 @@ struct D400 : ::testing::Test {
 
 TEST_F(D400, TakesTheRigsDepthUnitAgainAfterItLostPower) {
   std::unique_ptr<sensing::DepthSource> source;
-  EXPECT_EQ(stderr_of([&] { source = open(described()); }), "");
+  EXPECT_EQ(stderr_of([&] { source = open(d400); }), "");
   EXPECT_EQ(held.depth_table, (std::array<std::uint32_t, 5>{100, 7, 65535, 0, 5})) << "what is not asked for stays";
   EXPECT_EQ(source->cameras()[0].depth_unit_m, 0.0001);
   EXPECT_EQ(source->cameras()[0].fx, 400) << "the rig's, unless it says otherwise";
@@ -95,22 +87,22 @@ TEST_F(D400, TakesTheRigsDepthUnitAgainAfterItLostPower) {
 
 TEST_F(D400, AUnitThatItKeepsIsRefused) {
   held.keeps_unit = true;
-  EXPECT_CONTAINS(refusal(described()), "keeps its depth unit of 1 mm; set depth_unit_m = 0.001 in rig.toml");
+  EXPECT_CONTAINS(refusal(d400), "keeps its depth unit of 1 mm; set depth_unit_m = 0.001 in rig.toml");
 }
 
 TEST_F(D400, ACameraThatDoesNotAnswerHasTheRigsUnitWithAWarning) {
   camera->extension = nullptr;
-  EXPECT_CONTAINS(stderr_of([&] { open(described()); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
+  EXPECT_CONTAINS(stderr_of([&] { open(d400); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
 }
 
 TEST_F(D400, ItIsAskedAgainWhileItIsBusy) {
   held.busy = 3;
-  open(described());
+  open(d400);
   EXPECT_EQ(held.depth_table[0], 100u);
 }
 
 TEST_F(D400, ItsOwnCalibrationTakesThePlaceOfTheFiles) {
-  sensing::Camera wanted = described();
+  sensing::Camera wanted = d400;
   wanted.device.own_lens = true;
   wanted.distortion = {0.1, 0, 0, 0, 0};
   held.lens = {390.5, 391.5, 419.25, 241.75};
@@ -130,7 +122,7 @@ TEST_F(D400, ItsOwnCalibrationTakesThePlaceOfTheFiles) {
 }
 
 TEST_F(D400, OnlyWholeMicrometresAreADepthUnit) {
-  sensing::Camera wanted = described();
+  sensing::Camera wanted = d400;
   for (const auto& [unit_m, told] : {std::pair(62.5e-6, "is 62.5 micrometres; set depth_unit_m = 6.3e-05"),
                                      {100.4e-6, "is 100.4 micrometres; set depth_unit_m = 0.0001"},
                                      {0.3e-6, "is 0.3 micrometres; set depth_unit_m = 1e-06"}}) {
@@ -144,7 +136,7 @@ TEST_F(D400, OnlyWholeMicrometresAreADepthUnit) {
 }
 
 TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
-  sensing::Camera wanted = described();
+  sensing::Camera wanted = d400;
   wanted.device.own_lens = true;
   const auto source = open(wanted);
   sensing::FrameSet set;
@@ -170,10 +162,10 @@ TEST_F(D400, AnotherLensUnderTheSameNameIsAnotherCamera) {
 }
 
 TEST_F(D400, ExposureAndPresetAreSetWhereTheRigSaysSo) {
-  open(described());
+  open(d400);
   EXPECT_TRUE(held.automatic());
   EXPECT_EQ(held.preset(), 0u);
-  sensing::Camera wanted = described();
+  sensing::Camera wanted = d400;
   wanted.device.exposure_s = 0.004;
   wanted.device.preset = 3;
   open(wanted);

@@ -17,6 +17,7 @@
 
 #include "base/error.hpp"
 #include "driver/cameras/host.hpp"
+#include "driver/cameras/made_up_frames.hpp"
 #include "driver/realsense/sdk.hpp"
 #include "driver/realsense/source.hpp"
 #include "driver/realsense/stream.hpp"
@@ -26,6 +27,7 @@
 namespace palpa::driver::realsense {
 namespace {
 
+using cameras::test::described;
 using palpa::test::error_of;
 using palpa::test::stderr_of;
 
@@ -41,7 +43,7 @@ struct MadeUpCamera {
                                    {Option::hardware_preset, 0},
                                    {Option::global_time, 0}};
   bool keeps_unit = false;
-  cameras::Lens lens{50, 50.5, 31.5, 23.5, {}};
+  cameras::Lens lens{50, 50.5, 30.5, 24.5, {}};
   double phase_s = 0, delay_s = 0.004;
   std::uint32_t padding = 0;    ///< bytes after each row
   double clock_ahead_s = 0;     ///< the host's clock was set: stamps are wrong by this much
@@ -55,11 +57,6 @@ struct MadeUpCamera {
   std::uint64_t next = 0, starts = 0;
   int given = 0;  ///< frames that palpa holds
 };
-
-/// The value of every pixel of frame n of a camera.
-std::uint16_t pixel_of(std::uint64_t frame, std::uint32_t pixel) {
-  return static_cast<std::uint16_t>(1 + frame % 60000 + pixel % 5);
-}
 
 struct Bench {
   double now_s = 100;
@@ -97,12 +94,7 @@ struct Bench {
       const std::uint32_t width = camera.streamed.width, height = camera.streamed.height;
       const std::size_t stride = std::size_t{width} * 2 + camera.padding;
       auto* const bytes = new std::vector<std::byte>(stride * height);
-      for (std::uint32_t v = 0; v < height; ++v) {
-        for (std::uint32_t u = 0; u < width; ++u) {
-          const std::uint16_t depth = pixel_of(frame, v * width + u);
-          std::copy_n(reinterpret_cast<const std::byte*>(&depth), 2, bytes->data() + v * stride + u * std::size_t{2});
-        }
-      }
+      cameras::test::write_frame(bytes->data(), frame, width, height, stride);
       ++camera.given;
       const bool global = camera.options[Option::global_time] == 1;
       camera.taker({bytes, bytes->data(), camera.cut.contains(frame) ? stride : bytes->size(), width, height,
@@ -191,17 +183,6 @@ class MadeUpHost final : public cameras::Host {
   Bench& bench_;
 };
 
-sensing::Camera described(const std::string& name) {
-  sensing::Camera camera;
-  camera.name = name;
-  camera.width = 64;
-  camera.height = 48;
-  camera.fx = camera.fy = 40;
-  camera.depth_unit_m = 0.0001;
-  camera.rate_hz = 90;
-  return camera;
-}
-
 std::unique_ptr<sensing::DepthSource> open(Bench& bench, const std::string& serials,
                                            std::vector<sensing::Camera> cameras = {described("one")}) {
   return open_cameras(std::make_unique<MadeUpHost>(bench), std::make_shared<MadeUpSdk>(bench), std::move(cameras),
@@ -211,53 +192,47 @@ std::unique_ptr<sensing::DepthSource> open(Bench& bench, const std::string& seri
 /// Gets the next set whose first image is a whole frame; returns its number.
 std::uint64_t next_frame(sensing::DepthSource& source, sensing::FrameSet& set) {
   EXPECT_TRUE(source.next(set, 0.1));
-  if (set.frames.empty()) return 0;
-  const std::uint64_t frame = set.frames[0].depth[0] - 1u;
-  for (std::uint32_t i = 0; i < set.frames[0].depth.size(); ++i) {
-    EXPECT_EQ(set.frames[0].depth[i], pixel_of(frame, i));
-    if (set.frames[0].depth[i] != pixel_of(frame, i)) break;
-  }
-  return frame;
+  return set.frames.empty() ? 0 : cameras::test::frame_of(set.frames[0]);
 }
+
+/// Camera "A" alone, and its source.
+struct OneCamera : Bench {
+  MadeUpCamera& camera = plug("A");
+  std::unique_ptr<sensing::DepthSource> source;
+  sensing::FrameSet set;
+
+  void begin() { source = open(*this, "A"); }
+  std::uint64_t next() { return next_frame(*source, set); }
+};
 
 TEST(RealSense, FramesComeWholeInOrderWithTheTimeOfTheirCapture) {
   for (const std::uint32_t padding : {0u, 32u}) {
-    Bench bench;
-    MadeUpCamera& camera = bench.plug("A");
-    camera.padding = padding;
-    {
-      const auto source = open(bench, "A");
-      EXPECT_DOUBLE_EQ(source->cameras()[0].rate_hz, 90);
-      sensing::FrameSet set;
-      std::uint64_t before = 0;
-      for (int i = 0; i < 40; ++i) {
-        const std::uint64_t frame = next_frame(*source, set);
-        if (i > 0) {
-          EXPECT_EQ(frame, before + 1);
-        }
-        before = frame;
-        EXPECT_NEAR(set.time_s, static_cast<double>(frame) * period_s, 1e-6) << "not when it arrived, 4 ms later";
-      }
-      EXPECT_LE(camera.given, 3) << "the SDK has few frames";
+    OneCamera one;
+    one.camera.padding = padding;
+    one.begin();
+    EXPECT_DOUBLE_EQ(one.source->cameras()[0].rate_hz, 90);
+    const std::uint64_t first = one.next();
+    for (std::uint64_t frame = first + 1; frame < first + 40; ++frame) {
+      EXPECT_EQ(one.next(), frame);
+      EXPECT_NEAR(one.set.time_s, static_cast<double>(frame) * period_s, 1e-6) << "not when it arrived, 4 ms later";
     }
-    EXPECT_EQ(camera.given, 0);
-    EXPECT_FALSE(camera.taker);
+    EXPECT_LE(one.camera.given, 3) << "the SDK has few frames";
+    one.source.reset();
+    EXPECT_EQ(one.camera.given, 0);
+    EXPECT_FALSE(one.camera.taker);
   }
 }
 
 TEST(RealSense, StampsOfTheCamerasOwnClockOrOfAClockThatWasSetAreNotUsed) {
   for (const double ahead_s : {0.0, 3600.0, -3600.0}) {
-    Bench bench;
-    MadeUpCamera& camera = bench.plug("A");
-    if (ahead_s == 0) camera.options.erase(Option::global_time);
-    camera.clock_ahead_s = ahead_s;
-    const auto source = open(bench, "A");
-    sensing::FrameSet set;
+    OneCamera one;
+    if (ahead_s == 0) one.camera.options.erase(Option::global_time);
+    one.camera.clock_ahead_s = ahead_s;
+    one.begin();
     for (int i = 0; i < 20; ++i) {
-      const std::uint64_t frame = next_frame(*source, set);
-      const double captured_s = static_cast<double>(frame) * period_s;
-      EXPECT_GE(set.time_s, captured_s + camera.delay_s - 1e-9);
-      EXPECT_LT(set.time_s, captured_s + camera.delay_s + 2e-3);
+      const double arrived_s = static_cast<double>(one.next()) * period_s + one.camera.delay_s;
+      EXPECT_GE(one.set.time_s, arrived_s - 1e-9);
+      EXPECT_LT(one.set.time_s, arrived_s + 2e-3);
     }
   }
 }
@@ -278,8 +253,8 @@ TEST(RealSense, IsSetUpAsTheRigSays) {
   const sensing::Camera& found = source->cameras()[0];
   EXPECT_EQ(found.fx, 50);
   EXPECT_EQ(found.fy, 50.5);
-  EXPECT_EQ(found.cx, 31.5);
-  EXPECT_EQ(found.cy, 23.5);
+  EXPECT_EQ(found.cx, 30.5);
+  EXPECT_EQ(found.cy, 24.5);
   EXPECT_EQ(found.distortion, camera.lens.distortion);
   EXPECT_EQ(camera.streamed.rate_hz, 90);
 }
@@ -310,7 +285,6 @@ TEST(RealSense, RefusesWithOneLineThatSaysWhatWouldBeRight) {
   wanted.rate_hz = 60;
   refuses("realsense:A: does not offer Z16 64x48 at 60 Hz; it has 90, 30 Hz: set rate_hz of rig.toml to one of these");
   refuses("realsense:B: is not plugged in; librealsense2 finds A", "B");
-  refuses("source realsense names A twice", "A,A", Exit::usage);
   refuses("source realsense names 2 cameras, but rig.toml describes 1", "A,B", Exit::usage);
   refuses("source realsense needs cameras: realsense:SERIAL or realsense:any", "", Exit::usage);
   camera.keeps_unit = true;
@@ -361,31 +335,27 @@ TEST(RealSense, UnpluggedItIsFoundAgainByItsSerialNumberUnlessItsLensHasChanged)
 }
 
 TEST(RealSense, ShortFramesAreLeftOutAndTheirMemoryIsGivenBack) {
-  Bench bench;
-  MadeUpCamera& camera = bench.plug("A");
-  const auto source = open(bench, "A");
-  sensing::FrameSet set;
-  const std::uint64_t first = next_frame(*source, set);
+  OneCamera one;
+  one.begin();
+  const std::uint64_t first = one.next();
   for (std::uint64_t frame = first + 1; frame < first + 80; frame += 2)
-    camera.cut.insert(frame);
+    one.camera.cut.insert(frame);
   stderr_of([&] {
     for (std::uint64_t frame = first + 2; frame < first + 80; frame += 2)
-      EXPECT_EQ(next_frame(*source, set), frame);
+      EXPECT_EQ(one.next(), frame);
   });
-  EXPECT_LE(camera.given, 3);
+  EXPECT_LE(one.camera.given, 3);
 }
 
 TEST(RealSense, OfFramesThatNobodyTookTheNewestStay) {
-  Bench bench;
-  MadeUpCamera& camera = bench.plug("A");
-  const auto source = open(bench, "A");
-  sensing::FrameSet set;
-  ASSERT_GT(next_frame(*source, set), 0u);
+  OneCamera one;
+  one.begin();
+  ASSERT_GT(one.next(), 0u);
   for (int i = 0; i < 1000; ++i)
-    bench.step();
-  EXPECT_LE(camera.given, 8) << "the SDK has no more than sixteen to give";
-  const std::uint64_t newest = camera.next - 1;
-  EXPECT_EQ(next_frame(*source, set), newest);
+    one.step();
+  EXPECT_LE(one.camera.given, 8) << "the SDK has no more than sixteen to give";
+  const std::uint64_t newest = one.camera.next - 1;
+  EXPECT_EQ(one.next(), newest);
 }
 
 TEST(RealSense, WithoutTheSdkTheLineSaysWhatToDo) {

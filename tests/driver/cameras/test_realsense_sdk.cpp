@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "driver/cameras/made_up_frames.hpp"
 #include "driver/realsense/librealsense.hpp"
 #include "driver/realsense/source.hpp"
 #include "support/captured.hpp"
@@ -39,7 +40,7 @@ class SoftwareCamera {
     profile_ = rs2_software_sensor_add_video_stream(
         sensor_,
         {RS2_STREAM_DEPTH, 0, 1, width, height, rate_hz, 2, RS2_FORMAT_Z16,
-         rs2_intrinsics{width, height, 423.5f, 239.5f, 641, 642, RS2_DISTORTION_BROWN_CONRADY, {0.01f, 0, 0, 0, 0}}},
+         rs2_intrinsics{width, height, 420.5f, 238.5f, 641, 642, RS2_DISTORTION_BROWN_CONRADY, {0.01f, 0, 0, 0, 0}}},
         &error_);
     // The context itself at once forgets everything that nothing else holds.
     rs2_set_devices_changed_callback(
@@ -94,14 +95,8 @@ class SoftwareCamera {
   std::thread thread_;
 };
 
-sensing::Camera described() {
-  sensing::Camera camera;
-  camera.name = "soft";
-  camera.width = width;
-  camera.height = height;
-  camera.fx = camera.fy = 640;
-  camera.depth_unit_m = 0.0001;
-  camera.rate_hz = rate_hz;
+sensing::Camera soft() {
+  sensing::Camera camera = cameras::test::described("soft", width, height, 640);
   camera.device = {.own_lens = true, .exposure_s = 0.004, .preset = {}};
   return camera;
 }
@@ -115,12 +110,12 @@ TEST(RealSenseSdk, ADeviceWithinTheSdkIsSetUpAndStreams) {
   const auto serials = sdk->serials();
   ASSERT_NE(std::find(serials.begin(), serials.end(), "SOFT1"), serials.end());
   {
-    const auto source = open_cameras(std::make_unique<cameras::Host>(), sdk, {described()}, "SOFT1", "rig.toml");
+    const auto source = open_cameras(std::make_unique<cameras::Host>(), sdk, {soft()}, "SOFT1", "rig.toml");
     EXPECT_NEAR(camera.option(RS2_OPTION_DEPTH_UNITS), 0.0001, 1e-9);
     EXPECT_EQ(camera.option(RS2_OPTION_ENABLE_AUTO_EXPOSURE), 0);
     EXPECT_EQ(camera.option(RS2_OPTION_EXPOSURE), 4000);
     EXPECT_EQ(source->cameras()[0].fx, 641);
-    EXPECT_EQ(source->cameras()[0].cy, 239.5);
+    EXPECT_EQ(source->cameras()[0].cy, 238.5);
     EXPECT_NEAR(source->cameras()[0].distortion[0], 0.01, 1e-8);
     sensing::FrameSet set;
     std::uint16_t last = 0;
@@ -140,7 +135,7 @@ TEST(RealSenseSdk, ADeviceWithinTheSdkIsSetUpAndStreams) {
     }
     EXPECT_EQ(sets, 30);
   }
-  sensing::Camera other = described();
+  sensing::Camera other = soft();
   other.width = 640;
   EXPECT_CONTAINS(error_of([&] { open_cameras(std::make_unique<cameras::Host>(), sdk, {other}, "SOFT1", "rig.toml"); }),
                   "realsense:SOFT1: does not offer Z16 of 640x480; it has 848x480");

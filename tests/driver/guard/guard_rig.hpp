@@ -104,6 +104,10 @@ struct GuardRig {
     EXPECT_EQ(count("torn"), 0u);
     EXPECT_EQ(count("allocated"), 0u);
   }
+  void end_silent() {
+    link->finish();
+    expect_silent_end();
+  }
 };
 
 /// A loop in a separate process, which a test may stop, continue and kill.

@@ -91,8 +91,7 @@ TEST(Guard, ABoardIsNotToldOfThePausesOfItsPattern) {
   rig.link->send_planned(70, silence);  // the pattern is over
   ASSERT_TRUE(rig.wrote("play 70"));
   EXPECT_EQ(rig.count("play 1 "), 0U);
-  rig.link->finish();
-  rig.expect_silent_end();
+  rig.end_silent();
 }
 
 TEST(Guard, PlaysAndCountsWhatIsSentAndEndsInSilence) {
@@ -112,8 +111,7 @@ TEST(Guard, PlaysAndCountsWhatIsSentAndEndsInSilence) {
     rig.link->send(s, array::Drive(rig.drive.size(), one));
     ASSERT_TRUE(rig.wrote("play " + std::to_string(s++)));
   }
-  rig.link->finish();
-  rig.expect_silent_end();
+  rig.end_silent();
   std::vector<std::string> all = rig.lines();
   std::erase(all, "off");  // on a busy machine, it may have waited
   EXPECT_EQ(all, (std::vector<std::string>{"open", "plan 0 10", "play 0 0.0625", "play 1 0.125", "play 2 0.1875",
@@ -200,8 +198,7 @@ TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
   ASSERT_TRUE(rig.ends_with("off")) << "a plan that nobody follows up ends, too";
   rig.send(2);
   ASSERT_TRUE(rig.wrote("play 2"));
-  rig.link->finish();
-  rig.expect_silent_end();
+  rig.end_silent();
 }
 
 TEST(Guard, APlanWithoutADriveIsSilencedToo) {
@@ -210,8 +207,7 @@ TEST(Guard, APlanWithoutADriveIsSilencedToo) {
   rig.plan(0, 10);
   ASSERT_TRUE(rig.ends_with("off"));
   EXPECT_EQ(rig.lines(), (std::vector<std::string>{"open", "plan 0 10", "off"}));
-  rig.link->finish();
-  rig.expect_silent_end();
+  rig.end_silent();
 }
 
 TEST(Guard, ALoopThatIsKilledOrCrashesAtAnyInstantLeavesSilence) {
@@ -268,8 +264,7 @@ TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
   Rig rig;
   rig.begin();
   kill(guard_of_ours(), SIGSTOP);
-  rig.link->finish();
-  rig.expect_silent_end();
+  rig.end_silent();
 }
 
 TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
@@ -283,9 +278,8 @@ TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
   rig.send(rig.slot++);
   kill(guard, SIGCONT);
   rig.send_for(20ms);
-  rig.link->finish();
+  rig.end_silent();
   EXPECT_EQ(rig.count("open"), 1u);
-  rig.expect_silent_end();
 }
 
 TEST(Guard, SlotsLongerThanItsPatienceAreRefused) {
@@ -369,8 +363,7 @@ TEST(Guard, SignalsThatAreForTheLoopDoNotEndIt) {
   ASSERT_TRUE(rig.wrote("play 0"));
   rig.send(1);
   EXPECT_TRUE(rig.wrote("play 1"));
-  rig.link->finish();
-  rig.expect_silent_end();
+  rig.end_silent();
 }
 
 TEST(Guard, ABoardThatMayNotHaveHeardTheLastSilenceIsReported) {

@@ -95,6 +95,18 @@ struct OpenMpdRig {
       any = any || emulator->fpga().sounds();
     return any;
   }
+  /// Whether nothing sounds that much later.
+  bool silent_after(double seconds) {
+    clock.sleep_s(seconds);
+    look();
+    return !sounds();
+  }
+  /// What a guard does while it gets no drives.
+  void tend_for(double seconds) {
+    for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s - 1e-9; board->tend())
+      clock.sleep_s(5e-3);
+    look();
+  }
   std::string violations() const {
     std::string text;
     for (const auto& emulator : emulators) {

@@ -72,14 +72,10 @@ TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
   rig.play(focus_drive(rig.layout), 0.1);
   EXPECT_TRUE(rig.sounds());
   rig.board->all_off();
-  rig.clock.sleep_s(0.2e-3);
-  rig.look();
-  EXPECT_FALSE(rig.sounds());
+  EXPECT_TRUE(rig.silent_after(0.2e-3));
   rig.play(focus_drive(rig.layout), 0.1);
   rig.board->play(rig.slot++, array::Drive(256, {0, 0}));
-  rig.clock.sleep_s(0.2e-3);
-  rig.look();
-  EXPECT_FALSE(rig.sounds());
+  EXPECT_TRUE(rig.silent_after(0.2e-3));
   EXPECT_TRUE(rig.board->close());
   rig.board.reset();
   rig.clock.sleep_s(1);
@@ -148,12 +144,9 @@ TEST(OpenMpdBoard, AtItsEndNothingWaitsThatWouldSound) {
     EXPECT_TRUE(rig.sounds());
     rig.board->all_off();
     EXPECT_TRUE(rig.board->close());
-    rig.clock.sleep_s(0.01);
-    rig.look();
-    for (const auto& emulator : rig.emulators) {
-      EXPECT_FALSE(emulator->fpga().sounds());
+    EXPECT_TRUE(rig.silent_after(0.01));
+    for (const auto& emulator : rig.emulators)
       EXPECT_FALSE(emulator->fpga().sounds_behind());
-    }
   }
 }
 
@@ -186,9 +179,7 @@ TEST(OpenMpdBoard, ARampGoesFromFocusToFocusInSmallSteps) {
   EXPECT_GT(most, 3);
   EXPECT_LE(most, 64 / 7 + 2) << "of 128 steps, and the rounding";
   rig.board->all_off();
-  rig.clock.sleep_s(1e-3);
-  rig.look();
-  EXPECT_FALSE(rig.sounds());
+  EXPECT_TRUE(rig.silent_after(1e-3));
   EXPECT_EQ(rig.fpga(0).frames(), rig.fpga(1).frames());
   EXPECT_EQ(rig.violations(), "");
   // If slots are too short for two frames, a drive is one frame.
@@ -201,39 +192,17 @@ TEST(OpenMpdBoard, ARampGoesFromFocusToFocusInSmallSteps) {
   EXPECT_EQ(fast.fpga(0).frames(), before + 10);
 }
 
-TEST(OpenMpdBoard, TwoBoardsGetTheirHalvesAndEqualFrames) {
-  OpenMpdRig rig({"EMU1", "EMU2"});
-  rig.open();
-  array::Drive drive(512);
-  for (std::size_t i = 0; i < drive.size(); ++i)
-    drive[i] = {i < 256 ? 0.5f : 1.0f, 0};
-  rig.play(drive, 2);
-  EXPECT_EQ(rig.fpga(0).frames(), rig.fpga(1).frames());
-  EXPECT_EQ(rig.fpga(0).pulses()[3].width, openmpd::width_of(0.5f));
-  EXPECT_EQ(rig.fpga(1).pulses()[3].width, 64);
-  EXPECT_EQ(rig.fpga(0).shown_s(), rig.fpga(1).shown_s());
-  EXPECT_EQ(rig.violations(), "");
-}
-
 TEST(OpenMpdBoard, KeepsABoardThatGetsNothingFromCuttingTheNextFrame) {
   OpenMpdRig rig;
   rig.open();
   const std::uint64_t before = rig.fpga(0).frames();
-  for (int i = 0; i < 800; ++i) {
-    rig.clock.sleep_s(5e-3);
-    rig.board->tend();
-  }
-  rig.look();
+  rig.tend_for(4);
   EXPECT_GE(rig.fpga(0).frames(), before + 7);
   EXPECT_FALSE(rig.sounds());
   // Not while something sounds: then the loop provides the drives, and the guard handles the loop's end.
   rig.play(focus_drive(rig.layout), 0.1);
   const std::uint64_t playing = rig.fpga(0).frames();
-  for (int i = 0; i < 100; ++i) {
-    rig.clock.sleep_s(5e-3);
-    rig.board->tend();
-  }
-  rig.look();
+  rig.tend_for(0.5);
   EXPECT_EQ(rig.fpga(0).frames(), playing);
 }
 

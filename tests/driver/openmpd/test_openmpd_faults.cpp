@@ -146,9 +146,7 @@ TEST(OpenMpdFaults, SilenceThatIsStuckForAMomentAtTheEndStillComes) {
     rig.board->all_off();
     rig.clock.at(rig.clock.now_s() + stuck_s, [&] { rig.faults[0]->takes_nothing = false; });
     EXPECT_TRUE(rig.board->close()) << stuck_s;
-    rig.clock.sleep_s(5e-3);  // frames already in the kernel sound within that time
-    rig.look();
-    EXPECT_FALSE(rig.sounds()) << stuck_s;
+    EXPECT_TRUE(rig.silent_after(5e-3)) << stuck_s;  // frames already in the kernel sound within that time
     EXPECT_EQ(rig.violations(), "") << stuck_s;
   }
 }
@@ -187,9 +185,7 @@ TEST(OpenMpdFaults, SilenceDoesNotWaitForABoardThatIsStuck) {
     rig.board->tend();
     rig.clock.sleep_s(5e-3);
     rig.board->tend();
-    rig.clock.sleep_s(5e-3);
-    rig.look();
-    EXPECT_FALSE(rig.sounds());
+    EXPECT_TRUE(rig.silent_after(5e-3));
     EXPECT_EQ(rig.fpga(0).frames(), rig.fpga(1).frames());
     rig.play_on(0.02);
     EXPECT_TRUE(rig.sounds());
@@ -228,9 +224,7 @@ TEST(OpenMpdFaults, AtTheEndABoardThatIsBackIsSilencedAtOnce) {
   const double begin_s = rig.clock.now_s();
   EXPECT_TRUE(rig.board->close());
   EXPECT_LT(rig.clock.now_s() - begin_s, 0.05);
-  rig.clock.sleep_s(0.01);
-  rig.look();
-  EXPECT_FALSE(rig.sounds());
+  EXPECT_TRUE(rig.silent_after(0.01));
 }
 
 TEST(OpenMpdFaults, ASuspendedComputerIsNoFaultOfTheBoard) {
@@ -295,9 +289,7 @@ TEST(OpenMpdFaults, TheNextStartFindsItsStepWhateverTheLastOneLeft) {
     EXPECT_EQ(rig.fpga(0).pulses(), fresh.fpga(0).pulses()) << left;
     rig.board->all_off();
     EXPECT_TRUE(rig.board->close());
-    rig.clock.sleep_s(1e-3);
-    rig.look();
-    EXPECT_FALSE(rig.sounds());
+    EXPECT_TRUE(rig.silent_after(1e-3));
   }
 }
 

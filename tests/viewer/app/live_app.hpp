@@ -118,9 +118,8 @@ class LiveApp : public testing::Test {
     return goes_round_until([&] { return has_said(text); });
   }
   void all_off() { key('o'); }
-  void point_at(const Vec3& world) {
-    const Projected at = project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
-    button(Kind::move, at.x, at.y);
+  Projected pixel_of(const Vec3& world) const {
+    return project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
   }
   /// Frames of a finger in the cube.
   fs::path recording() {

@@ -45,19 +45,25 @@ TEST_F(LiveApp, AllOffWinsOverARestart) {
 }
 
 TEST_F(LiveApp, ASceneThatIsWrittenAgainRestartsWithItsOptionsAndAnotherSceneWithout) {
+  const auto copied = [&] {
+    key('c', true);
+    go_round();
+    return copied_;
+  };
+  const std::string rest = " --source synthetic --hold 5s --noise-free --link heard --layout autd3 --backend cpu";
   ASSERT_TRUE(comes_to(LiveState::running));
   go_round(11);
   write_again(scene_);
   ASSERT_TRUE(comes_to(LiveState::loading));
   ASSERT_TRUE(comes_to(LiveState::running));
-  EXPECT_TRUE(options().gltf_scene);
+  EXPECT_EQ(copied(), "palpa run --scene " + scene_.string() + " --gltf-scene 0" + rest);
   go_round(11);
   write_again(other_);
   drop(other_);
   ASSERT_TRUE(opens_other());
-  EXPECT_FALSE(options().gltf_scene) << "that was of the one before";
   ASSERT_TRUE(comes_to(LiveState::loading));
   ASSERT_TRUE(comes_to(LiveState::running));
+  EXPECT_EQ(copied(), "palpa run --scene " + other_.string() + rest) << "the number was of the one before";
   go_round(50);
   EXPECT_EQ(state(), LiveState::running) << "it was not written again";
 }
@@ -165,19 +171,6 @@ TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
   EXPECT_LT(app_->data().state.time.slots_per_s, before) << "slower and slower";
 }
 
-TEST_F(LiveApp, CopiesTheCommandOfTheRunThatThereIs) {
-  const std::string rest = " --source synthetic --hold 5s --noise-free --link heard --layout autd3 --backend cpu";
-  ASSERT_TRUE(comes_to(LiveState::running));
-  key('c', true);
-  go_round();
-  EXPECT_EQ(copied_, "palpa run --scene " + scene_.string() + " --gltf-scene 0" + rest);
-  drop(other_);
-  ASSERT_TRUE(opens_other());
-  key('c', true);
-  go_round();
-  EXPECT_EQ(copied_, "palpa run --scene " + other_.string() + rest);
-}
-
 TEST_F(LiveApp, ABrokenFileEndsNothing) {
   test::write_text(folder_ / "broken.glb", "no glTF");
   fs::create_directory(folder_ / "broken");
@@ -210,26 +203,12 @@ TEST_F(LiveApp, WhatIsCancelledIsNotOpened) {
   EXPECT_EQ(state(), LiveState::running);
 }
 
-TEST_F(LiveApp, AFingerThatFollowsThePointerTouches) {
-  begin("mouse");
-  ASSERT_TRUE(comes_to(LiveState::running));
-  ASSERT_TRUE(shows_frame());
-  go_round(5);
-  EXPECT_FALSE(heard_->sounded()) << "it waits above the cube";
-  point_at({0, -0.002, 0});
-  EXPECT_TRUE(goes_round_until([&] { return heard_->sounded(); }));
-  ASSERT_TRUE(goes_round_until([&] { return app_->picture().fingers.size() == 1; }));
-  point_at({0, 0.02, 0});
-  EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers.empty(); }));
-}
-
 TEST_F(LiveApp, AHandleThatIsReleasedWhileARunRestartsIsReleased) {
   begin("synthetic", {.shown = "slice"});
   const auto has_handles = [&] { return app_->data().state.slice_handles; };
   ASSERT_TRUE(goes_round_until(has_handles));
   const ViewState& seen = app_->data().state;
-  const Projected at =
-      project(projection(seen.viewpoint, size_.width, size_.height), place_of(SliceHandle::middle, seen.slice));
+  const Projected at = pixel_of(place_of(SliceHandle::middle, seen.slice));
   button(Kind::press, at.x, at.y);
   write_again(scene_);
   ASSERT_TRUE(goes_round_until(std::not_fn(has_handles)));
@@ -243,7 +222,7 @@ TEST_F(LiveApp, AHandleThatIsReleasedWhileARunRestartsIsReleased) {
 TEST_F(LiveApp, ACtrlClickReadsWhatIsNearestAndHowDeepItIs) {
   make_touch();
   const auto read_at = [&](const Vec3& world) {
-    const Projected at = project(projection(app_->data().state.viewpoint, size_.width, size_.height), world);
+    const Projected at = pixel_of(world);
     send({.kind = Kind::press, .x = at.x, .y = at.y, .ctrl = true});
     return app_->data().reading.value_or(Reading());
   };

@@ -4,6 +4,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "acoustics/field/pressure.hpp"
+#include "support/begins.hpp"
 #include "viewer/live/played.hpp"
 #include "viewer/picture/field_marks.hpp"
 #include "viewer/picture/palette.hpp"
@@ -13,7 +14,6 @@ namespace palpa::viewer {
 namespace {
 
 using test::Played;
-using test::soon;
 
 TEST(SlicePreview, IsCoarseFirstAndFineAtRest) {
   Played played;
@@ -26,7 +26,7 @@ TEST(SlicePreview, IsCoarseFirstAndFineAtRest) {
   std::uint32_t first = 0;
   preview.look(played.now, slice, picture, now_s);
   EXPECT_TRUE(picture.images.empty()) << "nobody waits for it";
-  ASSERT_TRUE(soon([&] {
+  ASSERT_TRUE(test::begins([&] {
     preview.look(played.now, slice, picture, now_s += 0.05);
     if (first == 0 && !picture.images.empty()) first = picture.images[0].width;
     return !preview.busy();
@@ -52,7 +52,7 @@ TEST(SlicePreview, IsCoarseFirstAndFineAtRest) {
   preview.look(played.now, slice, picture, now_s);
   EXPECT_TRUE(preview.busy());
   EXPECT_NEAR(picture.images[0].corners[0].z, 0.1, 1e-6) << "still where it is right";
-  ASSERT_TRUE(soon([&] {
+  ASSERT_TRUE(test::begins([&] {
     preview.look(played.now, slice, picture, now_s += 0.01);
     return picture.images[0].corners[0].z > 0.104f;
   }));

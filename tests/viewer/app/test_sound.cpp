@@ -12,6 +12,7 @@
 #include "geometry/mesh/icosphere.hpp"
 #include "setup/load.hpp"
 #include "setup/touch_schedule.hpp"
+#include "support/begins.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "viewer/hands/slice_hand.hpp"
@@ -23,7 +24,6 @@ namespace palpa::viewer {
 namespace {
 
 using test::Played;
-using test::soon;
 using Kind = WindowEvent::Kind;
 constexpr std::chrono::milliseconds without_rest(0);
 
@@ -56,7 +56,7 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
     skin = heat.look(played.now, picture).skin || skin;
     return !heat.busy();
   };
-  ASSERT_TRUE(soon(rests));
+  ASSERT_TRUE(test::begins(rests));
   EXPECT_TRUE(skin);
   EXPECT_EQ(heat.fault(), "");
   EXPECT_FALSE(is_stale(picture, Layer::heat));
@@ -75,7 +75,7 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   heat.look(played.now, picture);
   EXPECT_TRUE(is_stale(picture, Layer::heat));
   EXPECT_TRUE(picture.skin) << "the one before, dimmer";
-  ASSERT_TRUE(soon(rests));
+  ASSERT_TRUE(test::begins(rests));
   EXPECT_FALSE(is_stale(picture, Layer::heat));
   EXPECT_GT(difference(before, picture), 0.1);
 
@@ -98,12 +98,12 @@ TEST(Heat, ShowsTheRatesOfAClassOfAfferents) {
     return !heat.busy();
   };
   const auto title = [&] { return picture.bars.empty() ? std::string() : picture.bars[0].title; };
-  ASSERT_TRUE(soon(rests));
+  ASSERT_TRUE(test::begins(rests));
   EXPECT_CONTAINS(title(), "pressure");
   colour = SkinColour::pc;
   heat.look(played.now, picture, colour);
   EXPECT_TRUE(heat.busy()) << "rates are computed only if they are asked for";
-  ASSERT_TRUE(soon(rests));
+  ASSERT_TRUE(test::begins(rests));
   EXPECT_EQ(heat.fault(), "");
   EXPECT_CONTAINS(title(), "PC: mean rate");
   const std::vector<drawing::Colour> pacinian = picture.skin->colours;
@@ -136,7 +136,7 @@ TEST(Sounds, TellEachFaultOnce) {
   const auto says = [&](const char* part) {
     return std::ranges::count_if(told, [&](const std::string& line) { return line.find(part) != std::string::npos; });
   };
-  ASSERT_TRUE(soon([&] {
+  ASSERT_TRUE(test::begins([&] {
     look();
     return told.size() >= 3;
   })) << told.size();
@@ -147,7 +147,7 @@ TEST(Sounds, TellEachFaultOnce) {
   EXPECT_EQ(says("no such device"), 1) << "the plane";
   EXPECT_EQ(says("does not repeat"), 1) << "the spectrum";
   sounds.set_finger(test::source_file("LICENSE").string());
-  ASSERT_TRUE(soon([&] {
+  ASSERT_TRUE(test::begins([&] {
     look();
     return says("LICENSE") > 0;
   })) << "another finger";
@@ -157,7 +157,7 @@ TEST(Spectra, AreThoseOfTheScheduleThatPlays) {
   Played played;
   Spectra spectra;
   double now_s = 0;
-  ASSERT_TRUE(soon([&] { return spectra.look(played.now, now_s += 0.1); }));
+  ASSERT_TRUE(test::begins([&] { return spectra.look(played.now, now_s += 0.1); }));
   acoustics::SpectrumOptions options;
   const acoustics::ArrayField field(*played.now.layout, played.now.drive);
   options.field = &field;
@@ -180,7 +180,7 @@ void expect_newest_at_rest(Played& played, int moves, const Look& look, const Bu
   for (int i = 0; i < moves; ++i) {
     played.move({i * 1e-3, 0, 0.1});
     bool fresh = false;
-    ASSERT_TRUE(soon(
+    ASSERT_TRUE(test::begins(
         [&] {
           fresh = look() || fresh;
           return !busy();

@@ -1,10 +1,8 @@
-// A sounding schedule without a session, and a wait for background computations.
+// A sounding schedule without a session.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "viewer/sound/sounding.hpp"
@@ -44,16 +42,5 @@ class Played {
  private:
   session::Plan plan_;
 };
-
-/// `rest`: pause between two checks; with none, an answer may come at any moment of a check.
-template <typename Condition>
-bool soon(Condition condition, std::chrono::milliseconds rest = std::chrono::milliseconds(2)) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(rest);
-  }
-  return true;
-}
 
 }  // namespace palpa::test

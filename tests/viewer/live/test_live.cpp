@@ -21,7 +21,6 @@
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/live/next_outputs.hpp"
@@ -249,33 +248,6 @@ TEST(Live, AViewerThatNeverBeginsLeavesSilence) {
   EXPECT_FALSE(bench.heard->last_sounds);
 }
 
-TEST(Live, NeverWritesOverWhatItReads) {
-  Bench bench;
-  const auto scene = test::scratch_folder("live-outputs") / "cube.glb";
-  std::filesystem::copy_file(test::source_file("assets/cube.glb"), scene);
-  const std::string before = test::read_text(scene);
-  LiveSession live(live_options({{"--scene", {scene.string()}}, {"--link", {"record:" + scene.string()}}}), {},
-                   bench.stop, [] {});
-  ASSERT_TRUE(is_over(live));
-  EXPECT_CONTAINS(live.fault(), "--link: ");
-  EXPECT_EQ(test::read_text(scene), before);
-}
-
-TEST(Live, ASnapshotOfAnotherArrayDrivesNothing) {
-  LiveScene scene;
-  scene.layout.transducers.resize(3);
-  Picture picture;
-  picture.transducers.resize(3);
-  picture.driven = true;
-  Snapshot snapshot;
-  snapshot.plan.schedule.voice_count = 1;
-  snapshot.plan.cycle = {session::Plays::pattern, 1};
-  snapshot.plan.drives.resize(2);
-  session::SlotScratch scratch;
-  show_live_slot(picture, scene, snapshot, 0, scratch);
-  EXPECT_FALSE(picture.driven);
-}
-
 /// The first of two fingers is expected to have left when its foci would sound.
 TEST(Live, FociAheadOfAFingerAreShownWithThePlaceWhereTheyWereSeen) {
   LiveScene scene;
@@ -346,6 +318,11 @@ TEST(Live, AScheduleTooLongToBeListedIsShownAndHeard) {
   const Sounding sounding = sounding_of(scene, snapshot);
   EXPECT_EQ(sounding.schedule, &schedule);
   EXPECT_EQ(sounding.plan, &snapshot.plan);
+
+  snapshot.plan.cycle = {session::Plays::pattern, 1};
+  snapshot.plan.drives.resize(2);
+  show_live_slot(picture, *scene, snapshot, 0, scratch);
+  EXPECT_FALSE(picture.driven) << "a snapshot of another array drives nothing";
 }
 
 TEST(Starter, DoesNotGiveWayWithItsMaker) {

@@ -6,6 +6,7 @@
 
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/recording.hpp"
+#include "support/cameras.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/live/recording_player.hpp"
 
@@ -16,13 +17,8 @@ constexpr std::uint64_t frames = 5;
 
 /// Each frame's first pixel is its number.
 std::unique_ptr<sensing::DepthSource> open(RecordingPlayer& player, const char* name) {
-  sensing::Camera camera;
-  camera.name = "one";
-  camera.width = camera.height = 8;
-  camera.fx = camera.fy = 8;
-  camera.cx = camera.cy = 3.5;
   const auto folder = test::scratch_folder(name) / "take";
-  sensing::RecordingWriter writer(folder, {camera});
+  sensing::RecordingWriter writer(folder, {test::pinhole("one", 8, 8, 8)});
   for (std::uint64_t i = 0; i < frames; ++i) {
     sensing::FrameSet set;
     set.sequence = i;

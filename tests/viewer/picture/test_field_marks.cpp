@@ -133,32 +133,5 @@ TEST_F(ViewerField, HeatIsThePressureAtTheVertices) {
   EXPECT_GT(pixel_at(draw(picture, state), {-0.019, 0.003, 0.02})[1], 120);
 }
 
-TEST_F(ViewerField, BarsStandBetweenAxesAndScale) {
-  Picture picture;
-  show_slice(picture, {}, {2, 1}, Pressures{{100, 0}, {0, 0}});
-  picture.images.clear();
-  ViewState state;
-  state.layers.hide({Layer::grid});
-  const Pixels without = draw(picture, state);
-  state.layers[Layer::slice].visible = true;
-  const Pixels with = draw(picture, state);
-  std::uint32_t left = width, right = 0, top = height;
-  for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      if (std::equal(with.at(x, y), with.at(x, y) + 4, without.at(x, y))) continue;
-      left = std::min(left, x);
-      right = std::max(right, x);
-      top = std::min(top, y);
-    }
-  }
-  EXPECT_GT(left, 90u);
-  EXPECT_LT(right, width - 200);
-  EXPECT_GT(right, left + 200);
-  EXPECT_GT(top, height - 70);
-  // From dark to light; its middle has the colour of half the maximum.
-  const std::uint32_t y = height - 34;
-  EXPECT_LE(distance(with.at((left + right) / 2, y), drawing::map_colour(0.5)), 12);
-}
-
 }  // namespace
 }  // namespace palpa::viewer

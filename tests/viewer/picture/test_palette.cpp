@@ -16,14 +16,6 @@ double luminance(const Colour& c) {
   return 0.2126 * decode(c.r) + 0.7152 * decode(c.g) + 0.0722 * decode(c.b);
 }
 
-TEST(Palette, HexIsWhatItSays) {
-  const Colour c = rgb(0xd55e00, 0.5f);
-  EXPECT_NEAR(c.r, 213 / 255.0, 1e-6);
-  EXPECT_NEAR(c.g, 94 / 255.0, 1e-6);
-  EXPECT_EQ(c.b, 0);
-  EXPECT_EQ(c.a, 0.5f);
-}
-
 TEST(Palette, FingersDifferAlsoForColourBlindEyes) {
   // Deuteranopia after Vienot, Brettel and Mollon, 1999: red and green collapse into one channel.
   const auto seen = [](const Colour& c) {

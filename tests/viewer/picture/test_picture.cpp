@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "session/plan/voice.hpp"
+#include "support/cameras.hpp"
 #include "viewer/picture/palette.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/overlay.hpp"
@@ -90,28 +91,8 @@ TEST(Picture, FociFollowTheOrderAndTheSlotCounterRunsOn) {
   }
 }
 
-TEST(Picture, TheArrayKeepsItsOrderAndBoards) {
-  const array::Layout layout = array::load_layout("paper");
-  Picture picture;
-  show_array(picture, layout);
-  EXPECT_EQ(picture.transducers.size(), 3984u);
-  EXPECT_EQ(picture.boards.size(), 16u);
-  EXPECT_FALSE(picture.driven);
-  const array::Drive drive = array::drive_for(layout, std::vector<array::SlotFocus>{{{0, 0, 0}, 1}});
-  show_drive(picture, drive);
-  EXPECT_TRUE(picture.driven);
-  EXPECT_EQ(picture.transducers[17].phase, drive[17].phase);
-  EXPECT_EQ(picture.transducers[3983].amplitude, drive[3983].amplitude);
-}
-
 TEST(Picture, CamerasAreFrustaInTheWorld) {
-  sensing::Camera camera;
-  camera.name = "left";
-  camera.width = 800;
-  camera.height = 400;
-  camera.fx = camera.fy = 400;
-  camera.cx = 399.5;
-  camera.cy = 199.5;
+  sensing::Camera camera = test::pinhole("left", 800, 400, 400);
   camera.T_world_camera[3] = Vec4(1, 2, 3, 1);
   Picture picture;
   show_cameras(picture, std::span(&camera, 1), 0.1);

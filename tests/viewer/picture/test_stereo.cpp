@@ -6,7 +6,6 @@
 #include <random>
 
 #include "support/device.hpp"
-#include "support/thrown.hpp"
 #include "viewer/picture/palette.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "viewer/render/participant.hpp"
@@ -68,12 +67,6 @@ TEST(Stereo, WhatIsInMidairIsOnTheLineFromTheEye) {
     const double shift = seen(screen, eyes.left, world).x - seen(screen, eyes.right, world).x;
     EXPECT_EQ(shift > 0, at.z > 0) << at.z;
   }
-}
-
-TEST(Stereo, AnEyeBehindTheScreenIsRefused) {
-  sensing::Screen screen = leaning_screen();
-  screen.eye_m = transform_point(screen.T_world_screen, {0, 0, -0.1});
-  EXPECT_ERROR(onto(screen, screen.eye_m), Exit::usage, "in front of the screen");
 }
 
 TEST(Stereo, ThroughEverySlitEachEyeSeesItsOwnPixels) {

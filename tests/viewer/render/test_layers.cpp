@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "drawn.hpp"
+#include "support/cameras.hpp"
 #include "viewer/picture/depth_image.hpp"
 
 namespace palpa::viewer {
@@ -39,10 +40,7 @@ Picture everything() {
   picture.fingers.push_back(finger);
   picture.transducers.push_back({{-0.03f, -0.02f, 0}, {0, 0, 1}, 0, 0});
   picture.boards.push_back({glm::vec3(-0.04, -0.03, 0), {-0.02, -0.03, 0}, {-0.02, -0.01, 0}, {-0.04, -0.01, 0}});
-  sensing::Camera camera;
-  camera.width = camera.height = 8;
-  camera.fx = camera.fy = 16;
-  camera.cx = camera.cy = 3.5;
+  sensing::Camera camera = test::pinhole("one", 8, 8, 16);
   camera.T_world_camera[3] = Vec4(0.03, 0, 0, 1);
   show_cameras(picture, std::span(&camera, 1), 0.04);
   const sensing::DepthFrame frame{std::vector<std::uint16_t>(64, 300), 0};
@@ -102,23 +100,6 @@ TEST_F(ViewerLayers, PartsAreTakenApartFromTheirSolidsMiddle) {
   EXPECT_GT(distance(pixel_at(exploded, {0, 0.024, 0.005}), paper), 20);
   EXPECT_EQ(extent(picture, Extent::objects, state).high.x, 0.04);
   EXPECT_EQ(extent(picture, Extent::objects).high.x, 0.02);
-}
-
-TEST_F(ViewerLayers, ASectionIsAnEllipseInItsFingersColour) {
-  Picture picture;
-  picture.fingers.resize(2);
-  picture.fingers[1].section =
-      SectionMark{{0, 0, 0}, {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}, {0.02f, 0.01f}};
-  ViewState state = test::bare_view();
-  const Colour paper = test::paper();
-  EXPECT_LE(distance(pixel_at(draw(picture, state), {0.012, 0.004, 0}), paper), 1) << "hidden at first";
-  state.layers[Layer::sections].visible = true;
-  const Pixels pixels = draw(picture, state);
-  const Colour blue = mix(paper, finger_colour(1), 0.22f);
-  EXPECT_LE(distance(pixel_at(pixels, {0.012, 0.004, 0}), blue), 3);
-  EXPECT_LE(distance(pixel_at(pixels, {-0.012, -0.004, 0}), blue), 3);
-  EXPECT_LE(distance(pixel_at(pixels, {0.018, 0.008, 0}), paper), 1) << "beyond the ellipse, within its box";
-  EXPECT_LE(distance(pixel_at(pixels, {0.0225, 0.0002, 0}), finger_colour(1)), 60) << "the axis leads beyond the rim";
 }
 
 TEST_F(ViewerLayers, AnImageHasItsPixelsWhereItsCornersAre) {

@@ -68,19 +68,6 @@ TEST_F(Renderer, ACubeIsWhereItShouldBeTranslucentWithFaintHiddenEdges) {
   EXPECT_LT(at(0.0, 0.02, 0.02)[0], hidden - 30);
 }
 
-TEST_F(Renderer, ASmoothSolidHasAnOutlineAndNoInnerEdges) {
-  Picture picture;
-  picture.solids.push_back({"ball", test::sphere(0.02, 32, 64)});
-  const Pixels pixels = shoot(picture, large);
-  int darkest_inside = 255, darkest_rim = 255;
-  for (double r = 0; r < 0.0225; r += 5e-5) {
-    int& darkest = r < 0.018 ? darkest_inside : darkest_rim;
-    darkest = std::min<int>(darkest, pixel_at(pixels, {r * 0.8, r * 0.6, 0})[0]);
-  }
-  EXPECT_GT(darkest_inside, 150);
-  EXPECT_LT(darkest_rim, 110);
-}
-
 TEST_F(Renderer, ContactsHaveTheirFingersColour) {
   Picture picture;
   for (std::uint32_t f = 0; f < 4; ++f)
@@ -92,39 +79,6 @@ TEST_F(Renderer, ContactsHaveTheirFingersColour) {
     EXPECT_LE(distance(pixel_at(pixels, Vec3(picture.contacts[f].position)), finger_colour(f)), 12) << f;
   EXPECT_LE(distance(pixel_at(pixels, {0, -0.01, 0}), theme_of(false).loose_contact), 12);
   EXPECT_LE(distance(pixel_at(pixels, {0.01, -0.01, 0}), theme_of(false).skin_point), 30);
-}
-
-TEST_F(Renderer, AContactInsideASolidShowsThroughIt) {
-  Picture picture = test::cube_picture();
-  picture.contacts.push_back({{0.005f, 0.005f, 0.01f}, 0u});
-  picture.contacts.push_back({{-0.008f, 0.005f, 0.03f}, 0u});  // in front of the front face
-  const Pixels pixels = shoot(picture, large);
-  const std::uint8_t* inside = pixel_at(pixels, {0.005, 0.005, 0.01});
-  EXPECT_GT(inside[0], inside[2] + 60) << "still orange";
-  EXPECT_GT(distance(inside, finger_colour(0)), 15) << "but veiled";
-  EXPECT_LE(distance(pixel_at(pixels, {-0.008, 0.005, 0.03}), finger_colour(0)), 12) << "not this one";
-}
-
-TEST_F(Renderer, FociLieOnTopWithTheRunningOneFilled) {
-  Picture picture = test::cube_picture();
-  picture.fingers.resize(1);
-  picture.fingers[0].foci = {{{-0.012f, 0, 0}, 1, true}, {{0.012f, 0, 0}, 2, true}, {{0, 0.012f, 0}, 3, true}};
-  picture.fingers[0].running = 1;
-  const Pixels pixels = shoot(picture, large);
-  const auto beside = [&](double x, int dx, int dy = 0) {
-    const Projected q = project(projection(test::front_viewpoint(), 640, 480), {x, 0, 0});
-    return pixels.at(static_cast<std::uint32_t>(q.x + dx), static_cast<std::uint32_t>(q.y + dy));
-  };
-  // Seven pixels from its centre: inside the disc, beside the number.
-  EXPECT_LE(distance(beside(-0.012, -7), rgb(0xffffff)), 8);
-  EXPECT_LE(distance(beside(0.012, 7), finger_colour(0)), 8);
-  int darkest = 255, lightest = 0;
-  for (int i = 0; i < 121; ++i) {
-    darkest = std::min<int>(darkest, beside(-0.012, i % 11 - 5, i / 11 - 5)[2]);
-    lightest = std::max<int>(lightest, beside(0.012, i % 11 - 5, i / 11 - 5)[2]);
-  }
-  EXPECT_LT(darkest, 90) << "numbers are dark on the waiting ones";
-  EXPECT_GT(lightest, 200) << "and white on the running one";
 }
 
 TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
@@ -141,16 +95,6 @@ TEST_F(Renderer, TransducersShowTheirDriveFromTheFrontOnly) {
                                            {Vec3(-0.02, 0.0036, 0), loud, 2},  // as large as the transducer: 4.2 mm
                                            {Vec3(-0.02, 0.0052, 0), paper(), 1}})
     EXPECT_LE(distance(pixel_at(pixels, at), colour), within) << at.x << " " << at.y;
-}
-
-TEST_F(Renderer, TheSkinIsFaintAndPassesThroughTheSolid) {
-  Picture picture = test::cube_picture();
-  picture.skin = SurfaceMark{"skin", test::box({-0.008, -0.008, 0.0}, {0.008, 0.03, 0.03})};
-  const Pixels with = shoot(picture), without = shoot(test::cube_picture());
-  const int change = std::abs(pixel_at(with, {0, 0.001, 0.03})[2] - pixel_at(without, {0, 0.001, 0.03})[2]);
-  EXPECT_GT(change, 3);
-  EXPECT_LT(change, 60);
-  EXPECT_GT(distance(pixel_at(with, {0, 0.027, 0.03}), paper()), 5) << "above the cube";
 }
 
 TEST_F(Renderer, TheSameSceneGivesTheSameBytesAlsoAfterAnUpdate) {

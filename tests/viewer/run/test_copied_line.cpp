@@ -11,6 +11,7 @@
 #include "support/shared_data.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/render/drawing_test.hpp"
+#include "viewer/run/interact.hpp"
 #include "viewer_here.hpp"
 
 namespace palpa {
@@ -41,7 +42,8 @@ TEST_F(CopiedLine, DrawsThePictureAgain) {
                                                           "--hide", "grid", "--opacity", "solids=0.5", "--dark"});
   const auto folder = test::scratch_folder("viewer-copied");
   const std::string shown = (folder / "shown.png").string(), copied = (folder / "copied.png").string();
-  test::write_text(folder / "script", "key space\ndrag 100 80 140 90\nscroll 2\nkey 5\nkey .\ndraw\n");
+  const std::string script = "key space\ndrag 100 80 140 90\nscroll 2\nkey 5\nkey .\ndraw\n";
+  test::write_text(folder / "script", script);
   ASSERT_EQ(test::viewer_here(test::with(line, {"--headless", "--quiet", "--interact", (folder / "script").string(),
                                                 "--screenshot", shown}))
                 .exit_code,
@@ -57,18 +59,8 @@ TEST_F(CopiedLine, DrawsThePictureAgain) {
   const Size size{320, 200};
   App app(options_of(given), size,
           {.stop = &stop, .copy = [&](const std::string& copy) { text = copy; }, .panels = false});
-  using Kind = WindowEvent::Kind;
-  for (const WindowEvent& event : {WindowEvent{.kind = Kind::key, .key = Key::space},
-                                   {.kind = Kind::move, .x = 100, .y = 80},
-                                   {.kind = Kind::press, .x = 100, .y = 80},
-                                   {.kind = Kind::move, .x = 120, .y = 85},
-                                   {.kind = Kind::move, .x = 140, .y = 90},
-                                   {.kind = Kind::release, .x = 140, .y = 90},
-                                   {.kind = Kind::scroll, .x = 140, .y = 90, .steps = 2},
-                                   {.kind = Kind::key, .key = key_of('5')},
-                                   {.kind = Kind::key, .key = key_of('.')},
-                                   {.kind = Kind::key, .key = key_of('c')}}) {
-    app.handle(event, size);
+  for (const Interaction& step : parse_interactions(script + "key c\n", "script")) {
+    if (step.kind == Interaction::Kind::event) app.handle(step.event, size);
     app.advance(0.01, size);
   }
   std::vector<std::string> again = words_of(text);

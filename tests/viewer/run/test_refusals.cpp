@@ -8,8 +8,6 @@
 
 #include "cli/support/every_command.hpp"
 #include "cli/support/process.hpp"
-#include "geometry/gltf/gltf.hpp"
-#include "geometry/gltf/write.hpp"
 #include "sensing/rig.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -146,17 +144,6 @@ TEST_F(ViewerRefusals, FilesThatCannotBeReadOrWritten) {
       {live_, {"--interact", path("script")}, ":2: ", 4},
       {participant_, {"--screen", path("bare.toml")}, "bare.toml", 4},
   });
-}
-
-TEST_F(ViewerRefusals, AStrideThatLeavesFociOutIsTheScenesFault) {
-  auto meshes = geometry::load_gltf(cube_).meshes;
-  meshes.at(0).haptics.foci = 9;
-  geometry::write_glb(folder_ / "nine.glb", meshes);
-  Line line = host_touch({"--stride", "3"});
-  line[1] = path("nine.glb");
-  const Result refused = viewer_here(line);
-  expect_failure(refused, 4, "nine.glb");
-  expect_failure(refused, 4, "node 'cube': stride 3 and 9 foci share the divisor 3");
 }
 
 /// The same from the program itself, once for each exit code.

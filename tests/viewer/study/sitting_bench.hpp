@@ -12,29 +12,13 @@
 #include "session/links/sources.hpp"
 #include "study/plan/plan_file.hpp"
 #include "support/begins.hpp"
-#include "support/files.hpp"
-#include "support/shared_data.hpp"
 #include "support/study_files.hpp"
 #include "viewer/live/heard_link.hpp"
 #include "viewer/study/conductor.hpp"
 #include "viewer/study/scripted_keys.hpp"
+#include "viewer/study/study_plan.hpp"
 
 namespace palpa::test {
-
-/// Two shapes and two methods on one board. `blocks`: the plan's [[block]] tables.
-inline std::filesystem::path write_study_plan(const std::filesystem::path& folder, const std::string& blocks,
-                                              double touch_s = 0.05, const std::string& run = "") {
-  const std::string assets = source_file("assets").string();
-  const std::filesystem::path file = folder / "plan.toml";
-  write_text(file, "title = \"Cubes and balls\"\n[[shape]]\nname = \"cube\"\nmodel = \"" + assets +
-                       "/cube.glb\"\n[[shape]]\nname = \"semi-sphere\"\nmodel = \"" + assets +
-                       "/semi-sphere.glb\"\n[[method]]\nname = \"single-focus\"\nlayout = \"autd3\"\n"
-                       "[[method]]\nname = \"cross-section\"\nlayout = \"autd3\"\n"
-                       "[study]\nparticipants = 2\ntrials_per_shape = 2\ntouch_s = " +
-                       std::to_string(touch_s) + "\n[run]\nmasking = \"off\"\npredict = false\n" + run +
-                       "[level]\nceiling = 0.5\nlimit_db = 140\n" + blocks);
-  return file;
-}
 
 inline constexpr const char* all_blocks = R"(
 [[block]]

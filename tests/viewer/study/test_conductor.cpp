@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -28,12 +28,14 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using nlohmann::json;
 using study::Screen;
+using test::answers_in;
 
 class ConductorTest : public testing::Test {
  protected:
   ConductorTest() { test::finger_depth_m = 3e-3; }
   test::SittingBench& prepare(const std::string& blocks, double touch_s = 0.05, const std::string& run = "") {
-    bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, blocks, touch_s, run));
+    const test::PlanParts parts{.touch_s = touch_s, .run = "predict = false\n" + run};
+    bench_ = std::make_unique<test::SittingBench>(folder_, test::write_study_plan(folder_, blocks, parts));
     return *bench_;
   }
   test::SittingBench& begin(const std::string& blocks, double touch_s) {
@@ -57,10 +59,10 @@ class ConductorTest : public testing::Test {
   bool is_ready() {
     return bench_->goes_until([&] { return bench_->conductor().presentation().ready(); }, false);
   }
-  static std::string dose(test::SittingBench& bench) {
-    const ExperimenterView view = bench.conductor().experimenter_view();
-    return std::ranges::find_if(view.lines, [](const StateLine& line) { return line.name == std::string_view("dose"); })
-        ->value;
+  /// A line of the experimenter's window.
+  StateLine shown(std::string_view name) {
+    const ExperimenterView view = bench_->conductor().experimenter_view();
+    return *std::ranges::find(view.lines, name, &StateLine::name);
   }
   fs::path beh(const std::string& end, int run = 1) const {
     return folder_ / "study/sub-01/beh" / ("sub-01_task-shapes_run-0" + std::to_string(run) + end);
@@ -69,15 +71,6 @@ class ConductorTest : public testing::Test {
   const fs::path folder_ = test::scratch_folder("conductor");
   std::unique_ptr<test::SittingBench> bench_;
 };
-
-std::vector<std::array<std::uint32_t, 3>> answers_in(const fs::path& folder) {
-  const study::Study study = study::read_study(std::vector<std::string>{folder.string()});
-  std::vector<std::array<std::uint32_t, 3>> rows;
-  for (const study::Trial& trial : study.participants.at(0).trials)
-    rows.push_back({trial.method, trial.shape, trial.answer});
-  std::ranges::sort(rows);
-  return rows;
-}
 
 TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
   prepare(test::all_blocks);
@@ -177,7 +170,7 @@ TEST_F(ConductorTest, AnyKeyOfTheParticipantSilences) {
 TEST_F(ConductorTest, PauseAndStopSilence) {
   const auto begin = std::chrono::steady_clock::now();
   test::SittingBench& bench = long_touches();
-  EXPECT_EQ(dose(bench), "no sound so far");
+  EXPECT_EQ(shown("dose").value, "no sound so far");
   ASSERT_TRUE(touches_and_sounds());
   bench.press(key_of('p'), true);
   EXPECT_EQ(bench.sitting().screen(), Screen::paused);
@@ -194,7 +187,7 @@ TEST_F(ConductorTest, PauseAndStopSilence) {
   EXPECT_LT(sounded_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   EXPECT_NEAR(level["SoundedEquivalentDb"], level["PredictedPeakDb"].get<double>() + 10 * std::log10(sounded_s / 28800),
               1e-3);
-  EXPECT_CONTAINS(dose(bench), "dB equivalent");
+  EXPECT_CONTAINS(shown("dose").value, "dB equivalent");
 }
 
 TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
@@ -281,9 +274,8 @@ TEST_F(ConductorTest, AnArrayThatIsOutOfReachIsToldBeforeTheFirstTouch) {
   ASSERT_TRUE(is_ready());
   bench.heard()->gone = true;
   const auto told = [&] {
-    const ExperimenterView view = bench.conductor().experimenter_view();
-    const auto array = std::ranges::find(view.lines, "array", &StateLine::name);
-    return array->warns && array->value.starts_with("heard is out of reach");
+    const StateLine array = shown("array");
+    return array.warns && array.value.starts_with("heard is out of reach");
   };
   ASSERT_TRUE(bench.goes_until(told, false));
   EXPECT_FALSE(bench.conductor().experimenter_view().may_sound) << "it has not sounded";
@@ -330,9 +322,7 @@ TEST_F(ConductorTest, ATouchOfWhichTooLittleArrivesIsVoid) {
   EXPECT_CONTAINS(bench_->sitting().reason(), "did not reach the array");
   EXPECT_EQ(bench_->sitting().agenda().complete(), 0u);
   EXPECT_CONTAINS(test::read_text(beh("_events.tsv")), "did not reach the array");
-  const ExperimenterView view = bench_->conductor().experimenter_view();
-  const auto overload = std::ranges::find(view.lines, "overload", &StateLine::name);
-  EXPECT_CONTAINS(overload->value, "lost");
+  EXPECT_CONTAINS(shown("overload").value, "lost");
   bench_->heard()->halves = false;
   bench_->press(Key::space, true);
   ASSERT_TRUE(bench_->goes_until([&] { return bench_->sitting().agenda().complete() == 1; }));

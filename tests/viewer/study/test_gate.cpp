@@ -42,6 +42,7 @@ class GateTest : public testing::Test {
     array::Voice& voice = schedule_.add_voice();
     voice.foci = {{0, 0, 0.1}};
     voice.order = {0};
+    drive_[0].amplitude = 1;
   }
   void plan(std::uint64_t from) { link_.plan({.schedule = schedule_, .slots = {.from = from, .until = from + 10}}); }
   void send(std::uint64_t slot, float amplitude = 0.5F) {
@@ -118,7 +119,6 @@ TEST_F(GateTest, MeasuresForHowLongItSounds) {
 
 TEST_F(GateTest, ALinkThatIsGoneSoundsNoLonger) {
   gate_.open(later());
-  drive_[0].amplitude = 1;
   {
     GateLink link(std::make_unique<ToldLink>(told_), gate_);
     link.send(0, drive_);
@@ -153,7 +153,6 @@ TEST_F(GateTest, KeepsWhatWasPlayed) {
 }
 
 TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
-  drive_[0].amplitude = 1;
   gate_.open(later());
   counting_.send(7, drive_);
   counting_.plan({.schedule = schedule_, .slots = {.from = 20, .until = 30}});
@@ -167,7 +166,6 @@ TEST_F(GateTest, ATouchDoesNotEndBeforeItsLastFrame) {
 
 /// A run warns of drives that were lost on their way, but these were not to arrive.
 TEST_F(GateTest, WhatItWithholdsIsNotLost) {
-  drive_[0].amplitude = 1;
   counting_.plan({.schedule = schedule_, .slots = {.from = 0, .until = 10}});
   counting_.send(0, drive_);
   counting_.send(1, drive_);
@@ -180,7 +178,6 @@ TEST_F(GateTest, WhatItWithholdsIsNotLost) {
 }
 
 TEST_F(GateTest, KnowsForHowLongNothingArrives) {
-  drive_[0].amplitude = 1;
   gate_.open(later());
   counting_.send(0, drive_);
   EXPECT_EQ(gate_.unheard(), 0ns) << "it has arrived";
@@ -209,7 +206,6 @@ TEST_F(GateTest, KnowsForHowLongNothingArrives) {
 
 /// Silence that is not known to have arrived is not told as silence.
 TEST_F(GateTest, KnowsWhetherTheArrayMaySoundOn) {
-  drive_[0].amplitude = 1;
   heard_->gone = true;
   counting_.send(0, drive_);
   EXPECT_FALSE(gate_.may_sound()) << "nothing has sounded";
@@ -258,7 +254,6 @@ TEST_F(GateTest, KnowsWhetherTheArrayMaySoundOn) {
 
 /// What is handed over is not what the array gets.
 TEST_F(GateTest, CountsWhatArrives) {
-  drive_[0].amplitude = 1;
   gate_.open(later());
   heard_->swallows = true;
   for (std::uint64_t slot = 0; slot < 8; ++slot)

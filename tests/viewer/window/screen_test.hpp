@@ -7,9 +7,10 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "cli/support/process.hpp"
+#include "support/begins.hpp"
+#include "support/shared_data.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "x_display.hpp"
 
@@ -32,14 +33,9 @@ class ScreenTest : public DrawingTest {
             {"GDK_SCALE", scale},
             where_assets_are()};
   }
-  /// Waits up to a minute. Looking at a picture takes a while, so it looks now and then.
+  /// Looking at a picture takes a while, so it looks now and then.
   static bool comes_to(const std::function<bool()>& condition) {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > limit) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return true;
+    return begins(condition, std::chrono::milliseconds(20));
   }
 
   std::optional<XServer> server_;

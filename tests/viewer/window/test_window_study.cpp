@@ -1,8 +1,6 @@
 // A study's two windows, on a private X server, in front of an emulated array; skipped if there is no Xvfb.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -15,12 +13,12 @@
 #include "geometry/files/ply.hpp"
 #include "screen_test.hpp"
 #include "session/links/sources.hpp"
-#include "study/files/study_folder.hpp"
 #include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
 #include "support/thrown.hpp"
+#include "viewer/study/study_plan.hpp"
 
 namespace palpa::test {
 namespace {
@@ -28,18 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// Two shapes, two methods, touches of 50 ms, on one OpenMPD board.
-fs::path plan_in(const fs::path& folder, const std::string& blocks, const std::string& level = "limit_db = 140") {
-  const std::string assets = source_file("assets").string();
-  write_text(folder / "plan.toml", "title = \"Two\"\n[[shape]]\nname = \"cube\"\nmodel = \"" + assets +
-                                       "/cube.glb\"\n[[shape]]\nname = \"pyramid\"\nmodel = \"" + assets +
-                                       "/pyramid.glb\"\n[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n"
-                                       "[[method]]\nname = \"cross-section\"\nlayout = \"openmpd\"\n"
-                                       "[study]\nparticipants = 2\ntrials_per_shape = 2\ntouch_s = 0.05\n"
-                                       "[run]\nmasking = \"off\"\n[level]\n" +
-                                       level + "\n" + blocks);
+/// Touches of 50 ms, on one OpenMPD board.
+fs::path plan_in(const fs::path& folder, const std::string& blocks, const std::string& level = "limit_db = 140\n") {
   write_study_rig(folder);
-  return folder / "plan.toml";
+  return write_study_plan(folder, blocks, {.layout = "openmpd", .run = "", .level = level});
 }
 
 std::vector<std::string> line(const fs::path& plan, const std::vector<std::string>& more = {}) {
@@ -47,16 +37,6 @@ std::vector<std::string> line(const fs::path& plan, const std::vector<std::strin
                "--rig", (plan.parent_path() / "rig.toml").string(), "--backend", "cpu", "--rehearse", "0.5", "--size",
                "400x300", "--hold", "2s"},
               more);
-}
-
-std::vector<std::array<std::uint32_t, 3>> answers_in(const fs::path& folder) {
-  const study::Study study = study::read_study(std::vector<std::string>{folder.string()});
-  std::vector<std::array<std::uint32_t, 3>> rows;
-  if (study.participants.empty()) return rows;
-  for (const study::Trial& trial : study.participants[0].trials)
-    rows.push_back({trial.method, trial.shape, trial.answer});
-  std::ranges::sort(rows);
-  return rows;
 }
 
 std::size_t entries_in(const fs::path& journal, const std::string& what) {
@@ -245,7 +225,7 @@ TEST(StudyLine, RefusesWhatCannotBeASitting) {
 }
 
 TEST_F(WindowStudy, ALevelAboveTheLimitIsRefusedWithoutASignature) {
-  const fs::path plan = plan_in(folder_, "", "ceiling = 1\nlimit_db = 90");
+  const fs::path plan = plan_in(folder_, "", "ceiling = 1\nlimit_db = 90\n");
   expect_failure(run_program(PALPA_VIEWER_BINARY, line(plan), {on_screen()}), 2, "lower the ceiling of its [level]");
   EXPECT_FALSE(fs::exists(folder_ / "study")) << "nothing was begun";
 }
