@@ -41,7 +41,7 @@ class LiveApp : public testing::Test {
   /// A live run of the cube, with further options of the application.
   void begin(const std::string& source, ViewerOptions options = {}) {
     app_.reset();
-    heard_ = std::make_shared<test::Heard>();
+    heard_ = std::make_shared<test::HeardSound>();
     options.input.scene = scene_;
     options.given.merge(line::Given{{"--scene", {scene_}},
                                     {"--gltf-scene", {"0"}},
@@ -144,7 +144,7 @@ class LiveApp : public testing::Test {
   const bool panels_;
   const Size size_;
   fs::path folder_, scene_, other_;
-  std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
+  std::shared_ptr<test::HeardSound> heard_ = std::make_shared<test::HeardSound>();
   std::atomic<bool> stop_{false};
   double now_s_ = 0;
   int went_live_ = 0;

@@ -19,7 +19,7 @@
 namespace palpa::test {
 
 /// Everything that a link was given; it outlives the link.
-struct Heard {
+struct HeardSound {
   std::atomic<std::uint64_t> drives{0}, sounding{0};
   std::atomic<int> opened{0};
   std::atomic<bool> breaks{false};    ///< set by a test: the link fails
@@ -36,7 +36,7 @@ struct Heard {
 
 class HeardLink final : public session::Link {
  public:
-  explicit HeardLink(std::shared_ptr<Heard> heard) : heard_(std::move(heard)) { ++heard_->opened; }
+  explicit HeardLink(std::shared_ptr<HeardSound> heard) : heard_(std::move(heard)) { ++heard_->opened; }
   void plan(const session::PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     if (heard_->breaks) throw failure("heard: broken");
@@ -63,11 +63,11 @@ class HeardLink final : public session::Link {
   }
 
  private:
-  std::shared_ptr<Heard> heard_;
+  std::shared_ptr<HeardSound> heard_;
 };
 
 /// "heard".
-inline session::LinkKind heard_link(const std::shared_ptr<Heard>& heard) {
+inline session::LinkKind heard_link(const std::shared_ptr<HeardSound>& heard) {
   return {"heard", "",
           [heard](const std::string&, const session::LinkSetting&) { return std::make_unique<HeardLink>(heard); }};
 }

@@ -34,7 +34,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct Bench {
-  std::shared_ptr<test::Heard> heard = std::make_shared<test::Heard>();
+  std::shared_ptr<test::HeardSound> heard = std::make_shared<test::HeardSound>();
   std::atomic<bool> stop{false};
   std::atomic<int> woken{0};
   std::uint64_t frames = 0;  ///< number of frames after which it ends by itself

@@ -75,7 +75,7 @@ class RunControls : public testing::Test {
     }
   }
 
-  std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
+  std::shared_ptr<test::HeardSound> heard_ = std::make_shared<test::HeardSound>();
   std::atomic<bool> stop_{false};
   std::unique_ptr<RunControl> run_;
   std::vector<std::string> ends_;  ///< the fault of each session that has ended

@@ -62,12 +62,12 @@ class SittingBench {
   const study::StudyPlan& plan() const { return plan_; }
   viewer::Conductor& conductor() { return *conductor_; }
   const study::Sitting& sitting() const { return conductor_->sitting(); }
-  const std::shared_ptr<Heard>& heard() const { return heard_; }
+  const std::shared_ptr<HeardSound>& heard() const { return heard_; }
 
   /// Starts the program, so to speak.
   void begin() {
     stop_ = false;
-    heard_ = std::make_shared<Heard>();
+    heard_ = std::make_shared<HeardSound>();
     viewer::LiveSession::Kinds kinds;
     kinds.links.push_back(heard_link(heard_));
     kinds.sources.push_back(session::synthetic_source("pressed", "", [](double) {
@@ -135,7 +135,7 @@ class SittingBench {
   viewer::StudyShapes shapes_;
   setup::StudyRunOptions run_;
   std::atomic<bool> stop_{false};
-  std::shared_ptr<Heard> heard_ = std::make_shared<Heard>();
+  std::shared_ptr<HeardSound> heard_ = std::make_shared<HeardSound>();
   std::optional<viewer::ScriptedKeys> script_;
   std::unique_ptr<viewer::Conductor> conductor_;
 };

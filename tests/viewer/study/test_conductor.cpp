@@ -437,7 +437,7 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
   run = {};
   run.link = "own:X";
   LiveSession::Kinds kinds;
-  session::LinkKind own = test::heard_link(std::make_shared<test::Heard>());
+  session::LinkKind own = test::heard_link(std::make_shared<test::HeardSound>());
   own.name = "own";
   own.own_layout = [](const std::string&) { return std::string("openmpd"); };
   kinds.links.push_back(own);

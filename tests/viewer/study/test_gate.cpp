@@ -54,7 +54,7 @@ class GateTest : public testing::Test {
   Gate gate_;
   Told told_;
   GateLink link_{std::make_unique<ToldLink>(told_), gate_};
-  std::shared_ptr<test::Heard> heard_ = std::make_shared<test::Heard>();
+  std::shared_ptr<test::HeardSound> heard_ = std::make_shared<test::HeardSound>();
   GateLink counting_{std::make_unique<test::HeardLink>(heard_), gate_};  ///< whose link counts what arrives
   array::Schedule schedule_;
   array::Drive drive_{2};
