@@ -23,8 +23,7 @@ TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
       const Columns columns =
           columns_of(layout, ring(10, radius, {0, 0, 0.15}, {1, 0, 0}, {0, 0, 1}), Weighting::distance);
       const std::vector<double> targets(columns.foci, 1);
-      std::vector<Complex> first = sums_of(columns, constraint, 3);
-      first[7] = 0;  // silent, and remains so
+      const std::vector<Complex> first = sums_of(columns, constraint, 3);
       std::vector<Complex> drive = first;
       PhaseScratch scratch;
       const Evened evened = even_phases(columns, targets, 0.0045, 60, drive, scratch);
@@ -38,6 +37,23 @@ TEST(EvenPhases, EvenOutWhateverTheAmplitudes) {
         ASSERT_NEAR(std::abs(drive[n]), std::abs(first[n]), 1e-12) << n;
     }
   }
+}
+
+TEST(EvenPhases, TargetsAreRelativeAndMayBeNone) {
+  const Layout layout = load_layout("openmpd");
+  const Columns columns = columns_of(layout, focus_set(3, 4, {0, 0, 0.15}), Weighting::distance);
+  std::vector<Complex> drive = sums_of(columns, Constraint::uniform, 3);
+  drive[7] = 0;  // silent, and remains so
+  PhaseScratch scratch;
+  even_phases(columns, std::vector<double>{1, 0.5, 0.8, 0.25}, 0.001, 60, drive, scratch);
+  const auto heard = heard_of(columns, drive);
+  EXPECT_NEAR(heard[1] / heard[0], 0.5, 0.002);
+  EXPECT_NEAR(heard[2] / heard[0], 0.8, 0.003);
+  EXPECT_NEAR(heard[3] / heard[0], 0.25, 0.001);
+  EXPECT_EQ(drive[7], Complex(0));
+  const std::vector<Complex> first = drive;
+  even_phases(columns, std::vector<double>{0, 0, 0, 0}, 0.001, 60, drive, scratch);
+  EXPECT_EQ(drive, first);
 }
 
 // Even foci stay the same to the last bit, and with no tries allowed, none is made.

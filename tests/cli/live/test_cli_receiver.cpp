@@ -148,7 +148,7 @@ TEST(Receiver, PlaysWhatItIsTold) {
 }
 
 /// A line of one finger on a solid of that name.
-std::string line_of(const std::string& solid) {
+std::string foci_line_on(const std::string& solid) {
   return R"({"time_s": 1, "fingers": [{"id": 1, "solid": ")" + solid +
          R"(", "foci_m": [[0.001, -0.0123, 0.0345]], "order": [0],)"
          R"("dwell_s": 0.0015, "modulation_hz": 0, "gain": 1}]})";
@@ -158,7 +158,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
   const PythonReceiver receiver("strays", "0.8");
   ASSERT_TRUE(receiver.says("listening"));
-  const std::string line = line_of(R"(W\u00fcrfel\u00a0\u001b[2J)");  // a model's names are its author's business
+  const std::string line = foci_line_on(R"(W\u00fcrfel\u00a0\u001b[2J)");  // a model's names are its author's business
   const auto with = [&](const std::string& what, const std::string& other) {
     std::string changed = line;
     return changed.replace(changed.find(what), what.size(), other);
@@ -209,7 +209,7 @@ TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
   Terminal terminal("python3", {source_file("docs/examples/receive_foci.py").string(), std::to_string(port)});
   ASSERT_TRUE(terminal.shows("listening"));
   sender.send("hello");
-  sender.send(line_of("a solid whose name is no shorter than half of the terminal's width"));
+  sender.send(foci_line_on("a solid whose name is no shorter than half of the terminal's width"));
   ASSERT_TRUE(terminal.shows(": silent"));
   terminal.type("\x03");
   EXPECT_EQ(terminal.ended_by_signal(), 0);
