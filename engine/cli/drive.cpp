@@ -88,8 +88,10 @@ std::string null_line(const setup::DriveResult& result, std::size_t number) {
   const Vec3& at = place.null.position;
   const std::string within =
       place.null.radius_m > 0 ? fmt::format(" within {:.2f} mm", place.null.radius_m * 1e3) : std::string();
-  const std::string built =
-      result.spread ? "; " + range_text(result.spread->nulls_pa[number], 0) + " Pa as built" : std::string();
+  const std::string built = result.spread
+                                ? fmt::format("; {} Pa{} as built", range_text(result.spread->nulls_pa[number], 0),
+                                              within.empty() ? "" : " at its centre")
+                                : std::string();
   return fmt::format("null at ({:.2f}, {:.2f}, {:.2f}) mm: at most {:.3g} Pa{}, {}{}\n", at.x * 1e3, at.y * 1e3,
                      at.z * 1e3, place.loudest_pa, within, setup::beside_weakest(place.depth_db, 0), built);
 }

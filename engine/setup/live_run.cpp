@@ -134,8 +134,11 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
       scene_state_(options_.reload ? look_at_scene(options_.scene) : SceneState{}),
       prepared_(prepare_live(options_, sources)) {
   if (const session::SessionSetting& setting = session().setting(); setting.drive.nulls) {
+    double gain = 1;  // of the solid with the least
+    for (const session::SolidHaptics& solid : session().scheduler().solids())
+      gain = std::min(gain, solid.voice.gain);
     const std::string doubt =
-        doubt_of_boards(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling);
+        doubt_of_boards(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
     if (!doubt.empty()) log::warning(doubt);
   }
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.

@@ -173,23 +173,25 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
 }
 
 std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
-                            double ceiling) {
+                            double gain) {
   const std::string name = session::parse_spec(link).name;
   const auto board = std::ranges::find(layout.boards, name, &array::Board::type);
   if (board == layout.boards.end()) return {};
   const bool uniform = constraint == array::Constraint::uniform;
-  if (!board->has_amplitudes() && (!uniform || ceiling < 1)) {
+  if (!board->has_amplitudes() && (!uniform || gain < 1)) {
     return fmt::format(
-        "--null: the boards of --link {} have no amplitudes, and a ceiling turns transducers off: nulls are only 10 to "
-        "30 dB below the foci; with --constraint uniform and without a ceiling, they are about 50 dB below",
+        "--null: the boards of --link {} have no amplitudes, and a ceiling or an intensity below 1 turns transducers "
+        "off: nulls are only 10 to 30 dB below the foci; at full amplitude with --constraint uniform, they are about "
+        "50 dB below",
         name);
   }
-  constexpr double least_ceiling = 0.25;  // of the 64 pulse widths, to about 10
-  if (name == "openmpd" && !uniform && ceiling < least_ceiling) {
+  constexpr double least_gain = 0.25;  // of the 64 pulse widths, to about 10
+  if (name == "openmpd" && !uniform && gain < least_gain) {
     return fmt::format(
-        "--null: at the ceiling {:g}, the boards of --link {} have few amplitudes: nulls are only 20 to 40 dB below "
-        "the foci; with --constraint uniform, they are about 50 dB below",
-        ceiling, name);
+        "--null: below {:g} of the full amplitude, the boards of --link {} have few amplitudes: nulls are only 20 to "
+        "40 "
+        "dB below the foci; with --constraint uniform, they are about 50 dB below",
+        gain, name);
   }
   return {};
 }
