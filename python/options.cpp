@@ -274,7 +274,8 @@ session::OwnMethod own_method(OwnFunctions& functions, std::span<const geometry:
   std::vector<std::string> names;
   for (const geometry::Solid& solid : solids)
     names.push_back(solid.name);
-  return [&functions, names = std::move(names)](const touch::Touch& touch, const touch::Finger& finger, touch::Placement& out) {
+  return [&functions, names = std::move(names)](const touch::Touch& touch, const touch::Finger& finger,
+                                                touch::Placement& out) {
     out.foci.assign(1, {.position = finger.section.centroid, .points = finger.contact_count});
     out.complete = true;
     out.together = false;

@@ -149,7 +149,7 @@ py::object frame_of(const std::string& name, py::handle points) {
 
 namespace {
 
-/// Of a drive; null if it is not known.
+/// The layout of a drive; null if it is not known.
 LayoutPtr layout_of(py::handle drive) {
   if (py::isinstance<DriveObject>(drive)) return drive.cast<const DriveObject&>().layout;
   const py::object place = place_of(drive);

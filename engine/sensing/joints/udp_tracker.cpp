@@ -26,7 +26,7 @@ constexpr int most_taken = 64;
 /// Before the first frame, all that waited while palpa started, so that only that frame is old.
 constexpr int most_waiting = 4096;
 constexpr std::size_t most_read = 4;
-/// So many frames in a row that are not newer, but ascend, come from a clock that was set back.
+/// This many frames in a row that are not newer, and ascend, come from a clock that was set back.
 constexpr int most_older = 3;
 const std::string its_name = "the datagram";
 

@@ -33,7 +33,8 @@ namespace {
 /// Whether --tune, its solid or a method of the caller's gave this finger its own schedule.
 bool plays_its_own(const session::Session& session, const touch::Touch& touch, std::uint32_t finger) {
   const std::optional<acoustics::Tuned>& tuned = session.scheduler().fingers()[finger].tuned;
-  return session.setting().schedule.own_method || (tuned && tuned->changed) || session.scheduler().solids()[touch.fingers[finger].solid].own_schedule;
+  return session.setting().schedule.own_method || (tuned && tuned->changed) ||
+         session.scheduler().solids()[touch.fingers[finger].solid].own_schedule;
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
   const auto first = usb::runtime_folder() / "usb-1.sock";
   const int lock = open((usb::runtime_folder() / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   ASSERT_EQ(flock(lock, LOCK_EX), 0) << "as one that looks for its address";
-  openmpd::EmulatedBoard board("EMU1"), same("EMU1");
+  openmpd::EmulatedBoard board("EMU1"), again("EMU1");
   std::vector<std::unique_ptr<usb::LocalServer>> servers(2);
   {
     std::jthread other([&] { servers[0] = std::make_unique<usb::LocalServer>(board, nullptr); });
@@ -182,7 +182,7 @@ TEST(OpenMpdLocal, EmulatorsThatStartTogetherTakeTurns) {
     EXPECT_FALSE(std::filesystem::exists(first));
     close(lock);
   }
-  servers[1] = std::make_unique<usb::LocalServer>(same, nullptr);
+  servers[1] = std::make_unique<usb::LocalServer>(again, nullptr);
   EXPECT_EQ(servers[0]->address(), first);
   EXPECT_EQ(servers[1]->address(), usb::runtime_folder() / "usb-2.sock");
   // The socket of a killed process belongs to nobody.
