@@ -188,6 +188,18 @@ TEST_P(SolverOn, GainsAreRelativeAmplitudes) {
   }
 }
 
+TEST_P(SolverOn, GainsOfManyFociAreRelativeToo) {
+  const Layout layout = load_layout("paper");
+  auto foci = focus_set(5, 14);
+  for (std::size_t j = 0; j < foci.size(); j += 2)
+    foci[j].gain = 0.5F;
+  for (const Constraint constraint : constraints) {
+    const Drive drive = GetParam().drive(layout, foci, with(Solver::gs_pat, constraint));
+    EXPECT_GE(pressure_at_foci(layout, drive, foci).evenness, constraint == Constraint::uniform ? 0.8 : 0.95)
+        << static_cast<int>(constraint);
+  }
+}
+
 TEST_P(SolverOn, VeryUnequalGainsAreNotClipped) {
   // Foci that sound nearly alone need more of some transducers than all of them together at full gain.
   const Layout layout = load_layout("openmpd");

@@ -2,7 +2,8 @@
 """mutants.py [NAME..]: do the tests catch small faults? tests/house/mutants/NAME.patch has one fault each.
 
 Each patch is applied to a copy of the project's files (build/mutants/palpa, which is kept), built, and taken back. The topics
-whose programs have changed run, quick ones first, until one fails twice. If that topic fails without the fault, too, it
+whose programs have changed run, quick ones first, until one fails twice: first those of the folders that the patch names
+(engine/touch: tests_touch), before all else is built, then all others. If that topic fails without the fault, too, it
 proves nothing, and the others go on. A patch with a line "leg: NAME" is built and run as that leg of tests/house/matrix.sh.
 
 build/mutants/results has a line for each fault: NAME|caught|TOPIC: TEST|SECONDS, or "missed", "stale" (it does not apply any
@@ -96,13 +97,15 @@ def all_legs():
     return legs
 
 
-def build(leg):
-    """Returns what the build said, or None if it succeeded."""
-    made = run(["cmake", "--preset", leg.preset, "--log-level=WARNING"], leg)
-    if made.returncode == 0:
-        jobs = subprocess.run([ROOT / "tests/house/jobs.sh", "compilers", "1200", str((os.cpu_count() or 1) + 1)], stdout=subprocess.PIPE, text=True, check=True)
-        targets = ["--target", *sorted(topics_of(leg))] if leg.label else []
-        made = run(["cmake", "--build", "--preset", leg.preset, "--parallel", jobs.stdout.strip(), *targets], leg)
+def build(leg, targets=()):
+    """Builds these targets, or all that the leg's topics need. Returns what the build said, or None if it succeeded."""
+    if leg.clean is None:
+        made = run(["cmake", "--preset", leg.preset, "--log-level=WARNING"], leg)
+        if made.returncode:
+            return made.stdout
+    jobs = subprocess.run([ROOT / "tests/house/jobs.sh", "compilers", "1200", str((os.cpu_count() or 1) + 1)], stdout=subprocess.PIPE, text=True, check=True)
+    targets = targets or (sorted(topics_of(leg)) if leg.label else [])
+    made = run(["cmake", "--build", "--preset", leg.preset, "--parallel", jobs.stdout.strip(), *(["--target", *targets] if targets else [])], leg)
     return None if made.returncode == 0 else made.stdout
 
 
@@ -153,11 +156,18 @@ def used_by(leg, program):
     return {program, *run(["ninja", "-C", str(leg.build), "-t", "inputs", program]).stdout.splitlines()}
 
 
-def batches(leg, changed):
-    """Lists of topics that may run changed programs, to be run side by side: quick ones first, live ones last, each of these alone."""
+def near_of(leg, path):
+    """The test programs of the folders that a patch names, if they are not all that the leg has."""
+    folders = {part for file in re.findall(r"^\+\+\+ b/(\S+)$", path.read_text(), re.M) for part in Path(file).parts}
+    return {} if leg.label else {name for name in leg.clean if Path(name).name.removeprefix("tests_") in folders and "/tests_" in name}
+
+
+def batches(leg, changed, of, left_out):
+    """Lists of topics of programs (None: all) that may run changed ones, to be run side by side: quick ones first, live ones
+    last, each of these alone."""
     topics, known = topics_of(leg), costs(leg)
-    concerned = {program for program, _ in topics.values() if changed & used_by(leg, program)}
-    order = sorted((name for name in topics if topics[name][0] in concerned), key=lambda name: (known.get(name, 60), name))
+    concerned = {program for program, _ in topics.values() if (of is None or program in of) and changed & used_by(leg, program)}
+    order = sorted((name for name in topics if topics[name][0] in concerned and name not in left_out), key=lambda name: (known.get(name, 60), name))
     least = 0
     for most in BATCHES:
         yield [name for name in order if "live" not in topics[name][1] and least <= known.get(name, 60) < most]
@@ -188,16 +198,18 @@ def repeats(leg, topic, how):
 # ---- faults ---------------------------------------------------------------------------------------------------------
 
 
-def passes_without(leg, path, tree, topic):
-    """Whether this topic passes without the fault. Leaves the fault applied."""
+def passes_without(leg, path, tree, topic, targets):
+    """Whether this topic passes without the fault. If it does not, the fault is applied and built again."""
     if topic not in leg.passes | leg.fails:
         restore(tree)
-        build_clean(leg)
+        fault = build(leg, targets)
+        if fault:
+            die(f"without any fault, the preset {leg.preset} does not build:\n{fault[-3000:]}")
         (leg.fails if first_failure(leg, [topic]) else leg.passes).add(topic)
         if topic in leg.fails:
             say(f"{topic} fails without any fault, too: left out")
             apply(path)
-            build(leg)
+            build(leg, targets)
     return topic in leg.passes
 
 
@@ -209,23 +221,26 @@ def judge(leg, path, tree):
         build_clean(leg)
     try:
         apply(path)
-        fault = build(leg)
-        if fault:
-            errors = [line for line in fault.splitlines() if "error" in line.lower()]
-            return "does not build", errors[0].strip().replace(f"{COPY}/", "")[:160].replace("|", "/") if errors else ""
-        changed = {name for name, now in programs(leg).items() if now != leg.clean.get(name)}
-        if not changed:
-            return "missed", "no program changed"
-        for batch in batches(leg, changed):
-            left = [name for name in batch if name not in leg.fails]
-            while left:
-                failure = first_failure(leg, left)
-                if not failure:
-                    break
-                if repeats(leg, *failure) and passes_without(leg, path, tree, failure[0]):
-                    return "caught", f"{failure[0]}: {failure[1]}"
-                left = [name for name in left if name not in leg.fails and name != failure[0]]
-        return "missed", ""
+        near, ran = near_of(leg, path), set()
+        for of in [near, None] if near else [None]:
+            targets = sorted(Path(name).name for name in near) if of else []
+            fault = build(leg, targets)
+            if fault:
+                errors = [line for line in fault.splitlines() if "error" in line.lower()]
+                return "does not build", errors[0].strip().replace(f"{COPY}/", "")[:160].replace("|", "/") if errors else ""
+            # Of the programs that were not built now, some may still have the fault before.
+            changed = {name for name, now in programs(leg).items() if now != leg.clean.get(name)}
+            for batch in batches(leg, changed, of, ran):
+                ran.update(batch)
+                left = [name for name in batch if name not in leg.fails]
+                while left:
+                    failure = first_failure(leg, left)
+                    if not failure:
+                        break
+                    if repeats(leg, *failure) and passes_without(leg, path, tree, failure[0], targets):
+                        return "caught", f"{failure[0]}: {failure[1]}"
+                    left = [name for name in left if name not in leg.fails and name != failure[0]]
+        return "missed", "" if changed else "no program changed"
     finally:
         restore(tree)
 

@@ -4,6 +4,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,19 @@ TEST(Together, WordsOfALineReadBack) {
   Command command;
   command.read({"--linear", "--slot=1", "--touch=-a=b"});
   EXPECT_EQ(given_on(command.app), given);
+}
+
+TEST(Together, AShellReadsTheCommandLineBack) {
+  const Command command;
+  for (const std::string value : {"plain", "it's", "''", "two words", "\"$HOME\" `id` \\ *;#\n~", "-a=b", ""}) {
+    const std::string line = command_line("printf '<%s>'", option_table(command.app), {{"--touch", {value}}});
+    FILE* shell = popen(line.c_str(), "r");
+    ASSERT_NE(shell, nullptr);
+    std::string said(200, '\0');
+    said.resize(std::fread(said.data(), 1, said.size(), shell));
+    EXPECT_EQ(pclose(shell), 0) << line;
+    EXPECT_EQ(said, (value.starts_with('-') ? "<--touch=" : "<--touch><") + value + ">") << line;
+  }
 }
 
 }  // namespace

@@ -106,6 +106,7 @@ TEST(CliSignals, TheLastBytesOnTheWireAreSilenceWhicheverEndsTheLoop) {
     const LiveRun::End end = loop.wait(60);
     ASSERT_TRUE(end.ended);
     EXPECT_EQ(end.by_signal, 0) << "it ends by itself";
+    EXPECT_TRUE(end.in_order()) << "it is ended by force: " << end.exit_code;
     EXPECT_LT(end.after_s, most_s);
     stage.expect_silent_and_alone();
   };
