@@ -4,9 +4,9 @@
 //
 //   open -> { play | plan | all_off | tend }... -> all_off -> close
 //
-// Only open() allocates, waits and throws. Afterwards nothing throws, and only close() waits for the device. Data that
-// the device does not take at once is kept (only the newest, without a queue), and tend() continues with it. Nothing
-// allocates, with two exceptions: the search for a lost device, which may also wait for one answer from it, and
+// Only BoardKind::open allocates, waits and throws. Afterwards nothing throws, and only close() waits for the device.
+// Data that the device does not take at once is kept (only the newest, without a queue), and tend() continues with it.
+// Nothing allocates, with two exceptions: the search for a lost device, which may also wait for one answer from it, and
 // libusb's own allocations.
 //
 // The board itself handles a device that fails, disappears or comes back. It reports this once (BoardNotes), takes
@@ -67,8 +67,9 @@ struct TimedSlots {
   double until_s() const { return from_s + static_cast<double>(slots.count()) * slot_s; }
 };
 
-/// A plan for a board that plays by its own clock. Valid during the call. From slots.from on, there is its pattern, or
-/// silence, or drives that come only by play(), until another plan comes. It is session::PlayedPlan for the guard.
+/// A plan for a board that plays by its own clock. Valid during the call. From slots.from on, slots.cycle.plays says
+/// what sounds: the listed drives, silence, or what play() brings. It holds until the next plan, or until slots.until.
+/// It is session::PlayedPlan for the guard.
 struct BoardPlan : TimedSlots {
   std::span<const array::TransducerDrive> drives{};  ///< slots.cycle.length * transducers
   /// The focus of each drive, in the frame of BoardSpec::layout, if the phases of each drive are those of the distances

@@ -30,7 +30,8 @@ class PlanTally {
     lost();
     began_ = false;
   }
-  /// Call without a device: the same, but nothing more is allowed for, however often the device is tried again.
+  /// Call when the device is gone. Forgets the plan, but grants no new allowance of early drives when the device
+  /// returns.
   void lost() { plan_ = Plan::none; }
 
   /// Call for a drive that sounds and that the plan has.

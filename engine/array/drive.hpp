@@ -65,7 +65,7 @@ constexpr Care care_of(Solver solver) {
   return solver == Solver::loudest ? Care::most : Care::usual;
 }
 
-/// One focus that sounds in a slot: one of a finger's foci, or several if its method plays them together.
+/// A focus that sounds in a slot. A slot has one for each finger, or several if the method plays them together.
 struct SlotFocus {
   Vec3 position;   ///< metres, in the layout's frame as posed
   float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity

@@ -21,11 +21,11 @@ namespace palpa::array {
 
 /// The bindings of one recording of the pass. Texels are views of 16 bytes each (gpu/texel_view.hpp).
 struct DriveBindings {
-  gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
-  gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
-  gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; first + count within `foci`, see most_pass_foci()
-  gpu::BufferRef drives;   ///< written: shader::DriveOut[slots * transducers], slot after slot; at most 2^32 - 1
-  gpu::BufferRef weights;  ///< texels: vec4 per focus, plain and heard factor; only bound if batch.weighted
+  gpu::BufferRef transducers;  ///< in: texels of shader::DrivePoint[transducers]
+  gpu::BufferRef foci;         ///< in: texels of shader::DriveFocus[]
+  gpu::BufferRef slots;   ///< in: texels of shader::DriveSlot[slots]; first + count within `foci`, see most_pass_foci()
+  gpu::BufferRef drives;  ///< out: shader::DriveOut[slots * transducers], slot after slot; at most 2^32 - 1
+  gpu::BufferRef weights;  ///< in: texels, vec4 per focus, plain and heard factor; only bound if batch.weighted
 };
 
 struct DriveBatch {

@@ -57,7 +57,7 @@ struct Voice {
 /// How foci with a velocity move on from slot to slot. Each slot has a time, relative to the one at which the foci are
 /// at their places. The times ascend during the first `cycles` cycles; then those of the last of these cycles repeat.
 struct Advance {
-  std::uint64_t first_slot = 0;  ///< slots before it count as those of the first cycle with the same place in it
+  std::uint64_t first_slot = 0;  ///< a slot before it has the time of the slot at the same place in the first cycle
   std::uint32_t cycle = 0;       ///< slots; 0: the foci stand still
   std::uint32_t cycles = 2;
   double first_s = 0;  ///< the time of the middle of `first_slot`

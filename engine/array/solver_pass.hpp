@@ -16,14 +16,14 @@ namespace palpa::array {
 
 /// The bindings of one recording of the pass. Texels are views of 16 bytes each (gpu/texel_view.hpp).
 struct SolveBindings {
-  gpu::BufferRef transducers;  ///< texels of shader::DrivePoint[transducers]
-  gpu::BufferRef foci;         ///< texels of shader::DriveFocus[]
-  gpu::BufferRef slots;    ///< texels of shader::DriveSlot[slots]; those with `solved` == drive_unsolved are skipped
-  gpu::BufferRef drives;   ///< written by greedy; by gs_pat under `uniform` and `clamp`: the phase changes of the
-                           ///< transducers, for the drives' kernel; else scratch
-  gpu::BufferRef weights;  ///< written: vec4 per focus, plain and heard factor; scratch of greedy
-  gpu::BufferRef axes;     ///< texels: vec4[transducers]
-  gpu::BufferRef directivity;  ///< texels of 4 bytes: solver_directivity
+  gpu::BufferRef transducers;  ///< in: texels of shader::DrivePoint[transducers]
+  gpu::BufferRef foci;         ///< in: texels of shader::DriveFocus[]
+  gpu::BufferRef slots;   ///< in: texels of shader::DriveSlot[slots]; those with `solved` == drive_unsolved are skipped
+  gpu::BufferRef drives;  ///< out: of greedy; of gs_pat under `uniform` and `clamp`: the phase changes of the
+                          ///< transducers, for the drives' kernel; else scratch
+  gpu::BufferRef weights;      ///< out: vec4 per focus, plain and heard factor; scratch of greedy
+  gpu::BufferRef axes;         ///< in: texels, vec4[transducers]
+  gpu::BufferRef directivity;  ///< in: texels of 4 bytes, solver_directivity
 };
 
 struct SolveBatch {

@@ -24,17 +24,18 @@ class ScanPass {
  public:
   explicit ScanPass(const Device& device);
 
-  /// Works in place on `counts` (at most `most_counts` and at most the buffer's size). With `length`, the number of
-  /// counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an empty BufferRef
-  /// means exactly `most_counts`. Writes a ScanTotal to `total`: the sum, clamped to `most_total`, and the three group
-  /// counts of an indirect dispatch that is divided as `groups` says. Barriers: expects counts and length to be visible
-  /// to compute; the caller adds compute_to_compute afterwards.
+  /// How many counts there are, and how the dispatch over the sum is divided.
   struct Sizes {
     std::uint32_t most_counts = 0;
     std::uint32_t items_per_count = 1;
     std::uint32_t most_total = 0xffffffffu;
     shader::ScanGroups groups = groups_of_64;
   };
+  /// Works in place on `counts` (at most `most_counts` and at most the buffer's size). With `length`, the number of
+  /// counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an empty BufferRef
+  /// means exactly `most_counts`. Writes a ScanTotal to `total`: the sum, clamped to `most_total`, and the three group
+  /// counts of an indirect dispatch that is divided as `groups` says. Barriers: expects counts and length to be visible
+  /// to compute; the caller adds compute_to_compute afterwards.
   void record(VkCommandBuffer commands, ScanBindings bindings, const Sizes& sizes) const;
 
  private:

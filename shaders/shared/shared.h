@@ -1,5 +1,6 @@
-// Lets one header describe a struct to both GLSL (std430) and C++. Use only `uint`, `int`, `float` and `vec4`-sized
-// members, and keep the size of every struct a multiple of 16 bytes: both sides then agree without padding rules.
+// Lets one header describe a struct to both GLSL (std430) and C++. Use only `uint`, `int`, `float`, `vec4` and `uvec4`
+// members, and structs and arrays of these. Pad a struct with such a vector to a multiple of 16 bytes. Both sides then
+// agree without padding rules.
 #ifndef PALPA_SHADERS_SHARED_H
 #define PALPA_SHADERS_SHARED_H
 

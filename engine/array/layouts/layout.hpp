@@ -25,7 +25,8 @@ struct Board {
   double height_m = 0;      ///< along the board's y
   Transform T_layout_board{1.0};
 
-  /// Its transducers are on or off. A drive's loudest amplitude says which share of them is on.
+  /// False if its transducers are only on or off. A drive's largest amplitude then says what share of them is on. Name
+  /// every such type here.
   bool has_amplitudes() const { return type != "sonicsurface"; }
 };
 

@@ -11,8 +11,8 @@
 
 namespace palpa::array {
 
-/// The steps for which a phase is chosen, and how loud a null may then be relative to the weakest focus: -38, -48 and
-/// -53 dB.
+/// The phase steps of SonicSurface, OpenMPD and AUTD3, for which the common phase is chosen, and how loud a null may
+/// then be relative to the weakest focus: -38, -48 and -53 dB.
 struct Rounding {
   std::uint32_t steps;
   double depth;

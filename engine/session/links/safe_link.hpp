@@ -1,7 +1,7 @@
 // The safety layer around any link: silence at the end, a ceiling, a ramp.
 //
-// While the ceiling is 1 and cannot change, and there is no ramp, nothing is copied or changed. This layer does not
-// handle missing calls: a board has its watchdog, and a receiver of foci goes silent by itself.
+// While the ceiling is 1 and cannot change, and there is no ramp, nothing is copied or changed. If no calls come at
+// all, this layer can do nothing. The guard then silences a board; a receiver of foci falls silent by itself.
 #pragma once
 
 #include <atomic>

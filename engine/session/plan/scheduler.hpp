@@ -34,9 +34,9 @@ using OwnMethod = std::function<void(const touch::Touch& touch, const touch::Fin
 
 /// How fingers become voices. The haptics of a finger's solid override `voice`.
 struct ScheduleOptions {
-  touch::MethodOptions method;  ///< places the foci,
-  /// unless there is this. `method` then only says whether its foci stand still and sound together: give single_focus
-  /// for one that places a single focus.
+  /// Places the foci if own_method is empty. Otherwise it only says whether foci stand still or sound together: give
+  /// single_focus if own_method places a single focus.
+  touch::MethodOptions method;
   OwnMethod own_method{};
   array::VoiceOptions voice;
   Tune tune = Tune::nothing;

@@ -53,7 +53,7 @@ struct SkinAnswer {
 SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies,
                   const std::atomic<bool>* give_up = nullptr);
 
-/// Answers beside the asking thread (beside.hpp). The computation reports its activity through doing()
+/// Answers beside the asking thread (session/answer_thread.hpp). The computation reports its activity through doing()
 /// (base/activity.hpp).
 class SkinPreview {
  public:

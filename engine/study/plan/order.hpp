@@ -1,4 +1,4 @@
-// The order of a participant's session, as a function of the plan and of the participant's number only. Every random
+// The order of a participant's sitting, as a function of the plan and of the participant's number only. Every random
 // draw can be repeated: the same plan and number give the same order, on every machine.
 #pragma once
 

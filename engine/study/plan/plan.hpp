@@ -114,7 +114,7 @@ struct PlanLevel {
   std::array<Vec3, 2> ears{Vec3(-0.08, 0.3, 0.65), Vec3(0.08, 0.3, 0.65)};  ///< left, right; metres, world
 };
 
-/// The screens of a session whose text a plan may set.
+/// The screens of a sitting whose text a plan may set.
 enum class TextId {
   consent,
   depth_consent,
@@ -180,16 +180,16 @@ std::vector<std::string> doubts_of(const StudyPlan& plan);
 
 /// The most touches of a simulated plan: a few hours of computation.
 inline constexpr std::size_t most_planned_touches = 50'000;
-/// The most steps of a participant's session: days of touching.
+/// The most steps of a participant's sitting: days of touching.
 inline constexpr std::size_t most_planned_steps = 20'000;
 
 /// The instruction that is shown before a block.
 std::string instruction_of(const StudyPlan& plan, const PlanBlock& block);
 
-/// How long the array may sound in a participant's session, seconds: all touches and free explorations.
+/// How long the array may sound in a participant's sitting, seconds: all touches and free explorations.
 double sounding_s(const StudyPlan& plan);
 
-/// The most time in a session that a plan may ask for.
+/// The most time in a sitting that a plan may ask for.
 inline constexpr double most_sounding_s = 8 * 3600;
 
 }  // namespace palpa::study

@@ -9,7 +9,7 @@ namespace palpa::touch {
 
 /// Fingers of the frame before around which contacts reach beyond the shell's edges.
 struct FingerReach {
-  const shader::ReachTable* table = nullptr;  ///< null, or empty: no contact does
+  const shader::ReachTable* table = nullptr;  ///< null or empty: no contact may lie beyond the edges
   std::uint32_t elapsed_us = 0;               ///< from the frame before to this one
 };
 

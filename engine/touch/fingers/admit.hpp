@@ -1,9 +1,11 @@
 // Which clusters are fingers, by the fingers of the frame before. This is decided after clusters are split and joined.
 // - The largest cluster of a known finger, its heir, is a finger with half of min_points contacts; any other cluster
 //   needs min_points.
-// - An island becomes a finger only after it has been there for 50 ms. It is a small cluster beside a known finger, one
-//   that is no known finger and has fewer than twice min_points contacts, or one where a finger has just ended with
-//   fewer than min_points contacts 0.3 mm deep.
+// - An island becomes a finger only after it has been there for 50 ms. An island is any of:
+//   (a) a small cluster beside a known finger;
+//   (b) a cluster of no known finger with fewer than 2 min_points contacts;
+//   (c) a cluster of no known finger, where one has just ended, with fewer than min_points contacts 0.3 mm deep.
+// - A cluster that is both (b) and (c) is no finger, even after 50 ms.
 // - Skin of a known finger that does not become a finger of its own is the heir's.
 #pragma once
 

@@ -9,8 +9,8 @@ namespace palpa::touch {
 
 /// How far the centroid of a finger's contacts has moved because contacts joined it or left it, in metres. `before` and
 /// `now` are the finger's contacts in two frames, between which it was expected to move by `expected`. A contact that
-/// has none of the other frame within 6 mm of it has joined or left. Zero if nothing has, if that is most of both, or
-/// if the contacts are the same ones after the way of their centroid.
+/// has none of the other frame within 6 mm of it has joined or left. Zero if no contact joined or left, if most of
+/// both did, or if the contacts match once moved as their centroid moved.
 Float3 moved_by_members(std::span<const Float3> before, std::span<const Float3> now, const Float3& expected);
 
 }  // namespace palpa::touch

@@ -35,10 +35,10 @@ struct ClustersBindings {
   gpu::BufferRef deep = {};        ///< in: shader::ContactRecord[]
 };
 
-/// Pipelines only; eleven dispatches: prepare, insert, collect, place, blocks, link, crowded, rest, undecided, label,
-/// select. For Cluster::inside, gather runs before them. Every loop is bounded. The clusters do not depend on the order
-/// of execution. A software device, which counts a shader's iterations, finds exact clusters unless more than 20,000
-/// contacts lie in a cube whose side is the gap, and as many beside it.
+/// Pipelines only; eleven dispatches: prepare, insert, collect, place, blocks, link, crowded, link again for all
+/// pairs (`rest_`), undecided, label, select. For Cluster::inside, gather runs before them. Every loop is bounded. The
+/// clusters do not depend on the order of execution. A software device, which counts a shader's iterations, finds exact
+/// clusters unless more than 20,000 contacts lie in a cube whose side is the gap, and as many beside it.
 class ClustersPass {
  public:
   explicit ClustersPass(const gpu::Device& device) : device_(&device) {}

@@ -21,10 +21,10 @@ namespace palpa::touch {
 
 /// One frame of skin, and how to look at it.
 struct Skin {
-  std::span<const sensing::DepthFrame> images{};  ///< with cameras: one image per camera,
-  Box box{};                                      ///< the world in which skin is looked for,
-  std::span<const sensing::Crop> crops{};         ///< what the cameras see of it,
-  std::span<const shader::SkinVolume> volumes{};  ///< and what is no skin there
+  std::span<const sensing::DepthFrame> images{};  ///< with cameras: one image per camera
+  Box box{};                                      ///< skin is looked for in this box of the world
+  std::span<const sensing::Crop> crops{};         ///< the parts of the images that show the box
+  std::span<const shader::SkinVolume> volumes{};  ///< volumes in which points are not skin
   std::span<const sensing::SkinPoint> points{};   ///< without cameras: points with ascending indices
   Parameters parameters;
   Parameters clustering;  ///< the same, but smaller clusters may be fingers

@@ -5,7 +5,7 @@
 #include "shaders/shared/shared.h"
 PALPA_SHADER_BEGIN
 
-PALPA_CONST drive_group = 32u;  // threads of a workgroup, in both
+PALPA_CONST drive_group = 32u;  // threads of a workgroup, in all drive_*.comp
 // Transducers that a thread of drive_focus keeps in registers, and slots that it computes for them: the data that it
 // loads for a slot serves all these transducers.
 PALPA_CONST drive_each = 8u;

@@ -44,7 +44,7 @@ PALPA_CONST clusters_undecided_parts = 16u;
 //   groups_of_block  uint[]: at a block's first cell's number, see clusters_cells.glsl
 //   crowded          CrowdedPair[]
 //   undecided        CrowdedPair[]: the pairs that stayed undecided
-//   left             where clusters_link lists the pairs that it leaves: one of these two
+//   left             output list of clusters_link: bound to `crowded` or `undecided`
 //   forest           uint[]: union-find over cells
 //   seen             the forest as texels: may be out of date while others write it
 //   large            uint[]: roots of clusters that may be fingers, in any order
