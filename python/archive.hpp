@@ -1,5 +1,6 @@
-// Results as bytes, for pickle. A struct with memory of its own has a function `fields`, which names all of its members
-// in a structured binding: a member that is added later does not compile until it is named there, too.
+// Results as bytes, for pickle. A struct with memory of its own, or with padding, whose bytes may be anything, has a
+// function `fields`. It names all members in a structured binding: a member that is added later does not compile until
+// it is named there, too.
 #pragma once
 
 #include <array>
@@ -100,12 +101,7 @@ class Archive {
       fields(*this, value);
     } else {
       static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>, "name its members in fields()");
-      T plain = value;
-#if defined(__GNUC__) && !defined(__clang__)
-      if constexpr (!std::is_scalar_v<T>) __builtin_clear_padding(&plain);  // the same value has the same bytes
-#endif
-      raw(&plain, sizeof plain);
-      value = plain;
+      raw(&value, sizeof value);
     }
   }
 

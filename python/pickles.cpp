@@ -23,6 +23,10 @@
 
 // Found by the namespaces of their arguments.
 namespace palpa::touch {
+static void fields(python::Archive& a, Focus& o) {
+  auto& [position, points, held] = o;
+  a(position, points, held);
+}
 static void fields(python::Archive& a, Finger& o) {
   auto& [id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward] = o;
   a(id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward);
@@ -38,6 +42,10 @@ static void fields(python::Archive& a, Placement& o) {
 }  // namespace palpa::touch
 
 namespace palpa::array {
+static void fields(python::Archive& a, SlotFocus& o) {
+  auto& [position, gain, pressure, voice, number, most] = o;
+  a(position, gain, pressure, voice, number, most);
+}
 static void fields(python::Archive& a, Course& o) {
   auto& [from, to, first, slots, texture, begin, end, gains] = o;
   a(from, to, first, slots, texture, begin, end, gains);
@@ -62,6 +70,18 @@ static void fields(python::Archive& a, Layout& o) {
 }  // namespace palpa::array
 
 namespace palpa::acoustics {
+static void fields(python::Archive& a, Tuned& o) {
+  auto& [ring, before, after, changed, field] = o;
+  a(ring, before, after, changed, field);
+}
+static void fields(python::Archive& a, SolveReport& o) {
+  auto& [iterations, residual] = o;
+  a(iterations, residual);
+}
+static void fields(python::Archive& a, RigidBody::Effort& o) {
+  auto& [iterates, worst] = o;
+  a(iterates, worst);
+}
 static void fields(python::Archive& a, Spectrum& o) {
   auto& [skin, period, lines, variance, field] = o;
   a(skin, period, lines, variance, field);
@@ -84,6 +104,10 @@ static void fields(python::Archive& a, Mesh& o) {
 }  // namespace palpa::geometry
 
 namespace palpa::session {
+static void fields(python::Archive& a, Event& o) {
+  auto& [kind, time, solid, finger, depth, centroid] = o;
+  a(kind, time, solid, finger, depth, centroid);
+}
 static void fields(python::Archive& a, ReplayStats& o) {
   auto& [frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids] = o;
   a(frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids);
@@ -95,6 +119,18 @@ static void fields(python::Archive& a, ScheduledFinger& o) {
 }  // namespace palpa::session
 
 namespace palpa::setup {
+static void fields(python::Archive& a, Draws& o) {
+  auto& [count, seed] = o;
+  a(count, seed);
+}
+static void fields(python::Archive& a, Grid& o) {
+  auto& [plane, centre, size, columns, rows] = o;
+  a(plane, centre, size, columns, rows);
+}
+static void fields(python::Archive& a, SimulateSpread& o) {
+  auto& [draws, langevin, squared, force, torque] = o;
+  a(draws, langevin, squared, force, torque);
+}
 static void fields(python::Archive& a, UsedBackend& o) {
   auto& [backend, why] = o;
   a(backend, why);

@@ -124,7 +124,8 @@ def test_a_rig_in_a_spread_is_a_file(tmp_path):
 ])
 def test_plans(tmp_path, text, says):
     plan = tmp_path / "plan.toml"
-    plan.write_text(text.format("command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,0.1\"\n", cube=ASSETS / "cube.glb"))
+    shutil.copy(ASSETS / "cube.glb", tmp_path)
+    plan.write_text(text.format("command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,0.1\"\n", cube="cube.glb"))
     if not says:
         assert Plan(plan).cases()[0]["sound_speed"] == ("1",)
         return
