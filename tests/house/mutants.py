@@ -228,7 +228,7 @@ def judge(leg, path, tree):
             if fault:
                 errors = [line for line in fault.splitlines() if "error" in line.lower()]
                 return "does not build", errors[0].strip().replace(f"{COPY}/", "")[:160].replace("|", "/") if errors else ""
-            # Of the programs that were not built now, some may still have the fault before.
+            # Some programs that were not built now may still have the fault before.
             changed = {name for name, now in programs(leg).items() if now != leg.clean.get(name)}
             for batch in batches(leg, changed, of, ran):
                 ran.update(batch)
