@@ -57,7 +57,7 @@ bool lock(const OpenFile& file) {
 /// A name that no other writer in this process uses; between two processes, EEXIST prevents collisions.
 fs::path new_name(const OutputPlace& place) {
   static std::atomic<std::uint64_t> count{0};
-  return place.folder() / fmt::format(".palpa-{}-{}", ::getpid(), count++);
+  return place.folder() / fmt::format("{}{}-{}", temporary_prefix, ::getpid(), count++);
 }
 
 /// The path for linking a descriptor without a name.

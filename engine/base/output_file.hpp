@@ -64,11 +64,15 @@ OpenFile open_output(const std::filesystem::path& file, const Patience& patience
 /// if it is no regular file, and on a file system without locks.
 OpenFile open_to_append(const std::filesystem::path& file);
 
+/// Temporary names begin so, with the process and a number.
+inline constexpr std::string_view temporary_prefix = ".palpa-";
+
 /// A file that is written completely or not at all. It is written without a name and put into its place by finish(), so
-/// that a reader finds either the old or the new file, even if two processes write it. A killed program leaves nothing
-/// behind, except on file systems without nameless files, where it leaves a `.palpa-...` beside the place. Symbolic
-/// links are followed. A replaced file keeps its mode, owner and group; a new one has the umask's. Nothing is
-/// synchronised: after a power failure, the file system decides.
+/// that a reader finds either the old or the new file, even if two processes write it. A killed program may leave a
+/// file with a temporary name beside the place: on file systems without nameless files, and on all others if it is
+/// killed in the microseconds in which the new file replaces another. Symbolic links are followed. A replaced file
+/// keeps its mode, owner and group; a new one has the umask's. Nothing is synchronised: after a power failure, the file
+/// system decides.
 ///
 /// A file with several names would lose them, and a mount point cannot be replaced: finish() copies into these. Written
 /// in place are devices, pipes and files that are already open; files that belong to somebody else, or to a group that

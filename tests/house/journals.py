@@ -80,8 +80,8 @@ def faults_of_files(beh, walk, complete):
     sitting has ended."""
     faults, answered = [], {}
     for path in sorted(beh.iterdir()):
-        if path.name.startswith(".palpa"):
-            faults.append(f"{path.name} is left")
+        if path.name.startswith(".palpa"):  # of a program that was killed while it replaced a file; the next one removes it
+            faults += [f"{path.name} is left"] if complete else []
             continue
         if path.suffix == ".json":
             try:

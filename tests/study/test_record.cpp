@@ -265,6 +265,15 @@ TEST_F(RecordTest, ContinuesWithTheLogsThatAKillOrAPowerCutLeaves) {
   EXPECT_CONTAINS(fault_of(1), "does not contain all rows of " + log_.string());
 }
 
+TEST_F(RecordTest, RemovesWhatAKilledProgramLeftUnderATemporaryName) {
+  sit(1, 10);
+  for (const char* left : {"sub-01/.palpa-17-0", "sub-01/beh/.palpa-17-33"}) {
+    test::write_text(folder_ / left, "{");
+    EXPECT_EQ(fault_of(1), "");
+    EXPECT_FALSE(fs::exists(folder_ / left)) << left;
+  }
+}
+
 TEST_F(RecordTest, FindsTheFolderByItsNumber) {
   sit(1);
   fs::rename(folder_ / "sub-01", folder_ / "sub-1");
