@@ -109,4 +109,13 @@ void make_folders(const ParticipantFolder& folder) {
     keep_file(place);
 }
 
+void remove_leftovers(const ParticipantFolder& folder) {
+  for (const fs::path& place : {folder.path, folder.beh()}) {
+    std::error_code fault, kept;
+    for (fs::directory_iterator at(place, fault), end; !fault && at != end; at.increment(fault)) {
+      if (at->path().filename().string().starts_with(temporary_prefix)) fs::remove(at->path(), kept);
+    }
+  }
+}
+
 }  // namespace palpa::study

@@ -34,4 +34,8 @@ std::vector<ParticipantFolder> participant_folders(const std::filesystem::path& 
 /// Creates what is missing of it. Throws failure().
 void make_folders(const ParticipantFolder& folder);
 
+/// Removes files with a temporary name from it: a program that is killed while it replaces a file may leave one. Call
+/// with the journal locked.
+void remove_leftovers(const ParticipantFolder& folder);
+
 }  // namespace palpa::study

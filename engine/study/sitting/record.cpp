@@ -79,16 +79,6 @@ bool contains_rows(const std::string& table, const std::string& log) {
   });
 }
 
-/// Removes files with a temporary name: a program that is killed while it replaces a file may leave one. Only the
-/// process that has locked the journal writes here.
-void remove_leftovers(const fs::path& folder) {
-  std::error_code fault;
-  for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault)) {
-    std::error_code kept;
-    if (at->path().filename().string().starts_with(temporary_prefix)) fs::remove(at->path(), kept);
-  }
-}
-
 /// A journal or a log may be empty.
 std::string content_of(const std::filesystem::path& file) {
   std::error_code fault;
@@ -113,8 +103,7 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
   make_folders(folder_);
   outputs_.emplace(std::vector<Output>{{"--out", folder_.path.string(), Output::Kind::continued_folder}});
   file_ = open_to_append(folder_.journal());
-  for (const fs::path& folder : {folder_.path, folder_.beh()})
-    remove_leftovers(folder);
+  remove_leftovers(folder_);
   Journal journal = read_journal(content_of(folder_.journal()), file_.name());
   const JournalHead head{.participant = participant, .plan_sha256 = plan.sha256};
   if (journal.head && journal.head->participant != participant) {
