@@ -153,9 +153,9 @@ TEST_F(RegisterTest, ALinkThatLeadsOutOfAFolderIsNamed) {
   fs::create_directory_symlink(path("study/own"), path("study/inside"));
   const auto kept = keep_register();
   const Outputs outputs({{"--out", path("study"), Output::Kind::continued_folder}});
-  for (const auto& [name, link] : {std::pair("study/beh/log", "study/beh"), {"study/journal", "study/journal"}}) {
-    EXPECT_ERROR(write_file(path(name), "x"), Exit::failed,
-                 path(name) + ": is not written, because " + path(link) + " is a link that leads out");
+  for (const auto& both : {std::pair("study/beh/log", "study/beh"), {"study/journal", "study/journal"}}) {
+    EXPECT_ERROR(write_file(path(both.first), "x"), Exit::failed,
+                 path(both.first) + ": is not written, because " + path(both.second) + " is a link that leads out");
   }
   EXPECT_FALSE(fs::exists(path("deep/log")));
   EXPECT_FALSE(fs::exists(path("free")));
