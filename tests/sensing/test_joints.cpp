@@ -146,8 +146,8 @@ TEST(Joints, RefuseWhatIsNoFrame) {
       {leap([](json& f) { f["pointables"][0].erase("tipPosition"); }), "\"tipPosition\" is missing"},
       {leap([](json& f) { f["hands"][0].erase("palmPosition"); }), "\"palmPosition\" is missing"},
   };
-  for (const auto& [line, fault] : table)
-    EXPECT_REFUSED(read_frame(line, "it"), fault) << line.substr(0, 100);
+  for (const auto& each : table)
+    EXPECT_REFUSED(read_frame(each.first, "it"), each.second) << each.first.substr(0, 100);
 }
 
 /// The doubt about one frame after others of the same hand, 10 ms apart.
@@ -344,8 +344,8 @@ TEST_F(JointsFile, IsRefusedWithTheLine) {
       {"\n\n{\"version\": 6}\n", "has no frame"},
       {"{\"version\": 5}\n" + good, "line 1: the frame: is of version 5"},
   };
-  for (const auto& [text, fault] : table)
-    EXPECT_REFUSED(open_tracker(write(text), true), fault);
+  for (const auto& each : table)
+    EXPECT_REFUSED(open_tracker(write(each.first), true), each.second);
   EXPECT_REFUSED(open_tracker(file_.string() + ".none", true), "hand.jsonl.none");
   EXPECT_ERROR(open_tracker("", true), Exit::usage, "joints:udp:9000");
 }

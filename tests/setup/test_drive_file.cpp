@@ -68,8 +68,8 @@ TEST_F(DriveFile, FaultsAreNamedWithTheirLine) {
       {short_by_one, "it has 248 transducers, but autd3 has 249"},
       {"index,x\n", "is not a drive: its first line is not index,x,y,z"},
       {"", "d.csv: is empty"}};
-  for (const auto& [text, fault] : faults)
-    EXPECT_REFUSED(read(text), fault);
+  for (const auto& each : faults)
+    EXPECT_REFUSED(read(each.first), each.second);
 }
 
 }  // namespace

@@ -182,8 +182,8 @@ TEST(Journal, RefusesEntriesThatCannotFollow) {
       {{start, consent, {.kind = EntryKind::begin, .step = 1}}, "another step"},
       {{start, consent, {.kind = EntryKind::answer, .step = 0}}, "not under way"},
       {{start, consent, {.kind = EntryKind::finish}}, "steps are left"}};
-  for (const auto& [entries, fault] : cases)
-    EXPECT_REFUSED(agenda_after(steps, entries, "j"), fault);
+  for (const auto& each : cases)
+    EXPECT_REFUSED(agenda_after(steps, each.first, "j"), each.second);
 }
 
 }  // namespace

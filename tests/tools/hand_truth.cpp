@@ -189,7 +189,7 @@ void HandTruth::count(TrueFrame& frame) {
   std::erase_if(patches, [&](const auto& patch) { return patch.second.contacts < few; });
   std::vector<const Patch*> apart;
   for (const auto& [set, patch] : patches) {
-    const auto near = [&](const Patch* other) {
+    const auto near = [&patch = patch](const Patch* other) {
       return other->palm == patch.palm && glm::distance(other->mean(), patch.mean()) <= usual.finger_width_m;
     };
     if (std::ranges::none_of(apart, near)) apart.push_back(&patch);
