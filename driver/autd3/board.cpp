@@ -310,7 +310,7 @@ class Autd3Board final : public Board {
   }
 
   bool send_startup() {
-    constexpr std::uint16_t usual_intensity_steps = 10, usual_phase_steps = 40;
+    constexpr std::uint16_t default_intensity_steps = 10, default_phase_steps = 40;
     to_all([&](Message m, std::size_t) {
       switch (stage_) {
         case first_message:
@@ -329,7 +329,7 @@ class Autd3Board final : public Board {
           put_version(m, Version::done);
           break;
         case silencer:
-          put_silencer(m, std::min(divider_, usual_intensity_steps), std::min(divider_, usual_phase_steps));
+          put_silencer(m, std::min(divider_, default_intensity_steps), std::min(divider_, default_phase_steps));
           break;
         default:
           put_silence(m, segment_ ^ 1);

@@ -27,7 +27,7 @@ void add_options(CLI::App& app, Options& o) {
   board.text("--serial", o.serials, "SERIAL,...", "serial numbers of USB boards, one board for each [EMU1]");
   board.flag("--uart", o.uart, "USB boards as they are delivered: their FT232H is a serial port, which palpa refuses");
   board.integer("--port", o.port, 0, 65535,
-                fmt::format("port of an AUTD3 server; 0 takes a free one [{}]", usual_port));
+                fmt::format("port of an AUTD3 server; 0 takes a free one [{}]", default_port));
   board.flag("--tactile", o.tactile, "emulates a SonicSurface with the tactile firmware");
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");
   board.text("--board-files", o.files, "DIR",

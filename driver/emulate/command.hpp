@@ -16,7 +16,7 @@
 namespace palpa::driver::emulate {
 
 /// The port of an AUTD3 server.
-inline constexpr std::uint32_t usual_port = 8080;
+inline constexpr std::uint32_t default_port = 8080;
 
 /// The options on the command line. A board does not get an option that it has no use for: run() refuses it.
 struct Options {
@@ -25,7 +25,7 @@ struct Options {
   std::string serials;                ///< comma-separated
   std::string files;                  ///< folder with the boards' own calibration
   std::string layout;                 ///< empty: the board's usual one
-  std::optional<std::uint32_t> port;  ///< normally usual_port
+  std::optional<std::uint32_t> port;  ///< normally default_port
   bool tactile = false;
   bool uart = false;  ///< USB boards whose chips are set up as serial ports
   std::string trace;

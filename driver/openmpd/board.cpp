@@ -22,7 +22,7 @@ namespace palpa::driver::openmpd {
 namespace {
 
 constexpr double period_s = 25e-6;
-constexpr std::uint8_t usual_divider = 4;
+constexpr std::uint8_t default_divider = 4;
 constexpr double opening_patience_s = 5;
 /// At the end: longer than the waits for a stuck transfer, the purge after it and a request, one after the other.
 constexpr double closing_patience_s = 0.75, flight_patience_s = 0.1;
@@ -88,7 +88,7 @@ std::uint8_t divider_for(double slot_s) {
                     "{} ms is shorter than 0.05 ms",
                     1e3 * slot_s));
   }
-  return static_cast<std::uint8_t>(std::min<double>(most, usual_divider));
+  return static_cast<std::uint8_t>(std::min<double>(most, default_divider));
 }
 
 OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transport& transport, Clock& clock)

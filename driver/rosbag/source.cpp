@@ -33,7 +33,7 @@ constexpr std::string_view unit_parts[] = {"/option/Depth_Units/value", "/option
 constexpr std::size_t most_sensors = 64;
 /// A clock that moves on by more than this between two images was set. Nobody waits that long in silence.
 constexpr double longest_gap_s = 3600;
-constexpr double usual_interval_s = 1.0 / 30;  ///< of a camera whose rate the bag does not say
+constexpr double default_interval_s = 1.0 / 30;  ///< of a camera whose rate the bag does not say
 
 /// "/device_0/sensor_0" of "/device_0/sensor_0/Depth_0/image/data".
 std::string sensor_of(std::string_view topic) {
@@ -181,7 +181,7 @@ class BagSource final : public sensing::DepthSource {
   /// The time of the image that has this stamp. After a step of the clock, times go on where they were, until the clock
   /// is right again.
   double time_after(double last_s, double stamp_s) {
-    const double rate_hz = cameras_[0].rate_hz, interval_s = rate_hz > 0 ? 1 / rate_hz : usual_interval_s;
+    const double rate_hz = cameras_[0].rate_hz, interval_s = rate_hz > 0 ? 1 / rate_hz : default_interval_s;
     const auto follows = [&](double time_s, double least_s) {
       return time_s > last_s + least_s && time_s <= last_s + longest_gap_s;
     };

@@ -20,14 +20,14 @@
 namespace palpa::driver::v4l2 {
 namespace {
 
-constexpr std::uint32_t usual_width = 848, usual_height = 480;
-constexpr double usual_unit_m = 1e-4, nearest_m = 0.28;
+constexpr std::uint32_t default_width = 848, default_height = 480;
+constexpr double default_unit_m = 1e-4, nearest_m = 0.28;
 constexpr double guessed_view = 65 * std::numbers::pi / 180;
 
 /// 848x480 if available, else the largest size; the highest of its rates.
 std::optional<Offer> best_of(const std::vector<Offer>& offers) {
   const auto rank = [](const Offer& offer) {
-    const bool usual = offer.width == usual_width && offer.height == usual_height;
+    const bool usual = offer.width == default_width && offer.height == default_height;
     return std::tuple(usual, std::uint64_t{offer.width} * offer.height, offer.rate_hz);
   };
   std::optional<Offer> best;
@@ -83,7 +83,7 @@ cli::CamerasThere cameras_there(Kernel& kernel) {
       camera.height = offer->height;
       camera.rate_hz = offer->rate_hz;
       const bool realsense = d400::is_realsense(node);
-      if (realsense) camera.depth_unit_m = usual_unit_m;  // palpa sets it
+      if (realsense) camera.depth_unit_m = default_unit_m;  // palpa sets it
       if (realsense) camera.min_range_m = nearest_m;
       std::string note = fmt::format("{}{}{}: {}", node.path, node.name.empty() ? "" : " ", node.name,
                                      read_lens(kernel, fd, node, camera));

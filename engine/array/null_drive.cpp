@@ -41,7 +41,7 @@ std::size_t choose_rows(const Nulls& nulls, const FocusMatrix& matrix, Constrain
   const std::size_t foci = matrix.foci, all = nulls.rows().rows;
   scratch.heard.resize(all * foci);
   scratch.across.resize(all * foci);
-  double rest = constraint == Constraint::uniform ? null_usual_rest : null_deepest_rest;
+  double rest = constraint == Constraint::uniform ? null_uniform_rest : null_deepest_rest;
   const std::size_t most = nulls.rows_to(rest);
   for (std::size_t i = 0; i < most; ++i) {
     for (std::size_t j = 0; j < foci; ++j) {

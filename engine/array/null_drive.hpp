@@ -8,7 +8,7 @@
 // `uniform` and `clamp` the constraint changes the sums, and silent_phases.hpp silences the nulls again. At last,
 // common_phase.hpp turns the whole drive to where boards round it best.
 //
-// Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_usual_rest, and larger, up
+// Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_uniform_rest, and larger, up
 // to null_loosest_rest, while some focus would keep less than null_keeps of its power, R'_jj < null_keeps R_jj (under
 // `uniform` null_keeps_uniform). If one then still keeps less than null_keeps, further rows are left out one by one,
 // but never centres.
@@ -33,7 +33,7 @@
 
 namespace palpa::array {
 
-inline constexpr double null_usual_rest = 3e-3;
+inline constexpr double null_uniform_rest = 3e-3;
 inline constexpr double null_keeps = 0.25, null_keeps_uniform = 0.5;
 inline constexpr double null_clamp_keeps = 0.75;
 

@@ -98,7 +98,7 @@ inline constexpr double linear_pressure_pa = 1e4;
 
 /// How the foci of any finger play.
 struct VoiceOptions {
-  /// Coprime to the number of foci; nullopt: the default for that number (geometry::usual_stride).
+  /// Coprime to the number of foci; nullopt: the default for that number (geometry::default_stride).
   std::optional<std::uint32_t> stride;
   double dwell_s = 1.5e-3;
   double gain = 1;  ///< intensity, 0..1

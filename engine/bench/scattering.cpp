@@ -44,7 +44,7 @@ namespace {
 using acoustics::RigidBody;
 using acoustics::SphereSeries;
 
-constexpr double radius = 8e-3, usual_ka = 5.86;
+constexpr double radius = 8e-3, default_ka = 5.86;
 const Vec3 along(0, 0, 1), source(0, 0, 0.1);
 constexpr std::uint32_t most_runs = 5;
 /// A whole hand with faces of a sixth of a wavelength.
@@ -113,7 +113,7 @@ void measure_spheres(const Context& context, std::vector<Row>& rows) {
     for (std::uint32_t run = 0; run < runs_of(context, static_cast<std::size_t>(faces)); ++run) {
       body.reset();
       const double begin = now_ms();
-      body.emplace(geometry::icosphere(radius, divisions), usual_ka / radius);
+      body.emplace(geometry::icosphere(radius, divisions), default_ka / radius);
       samples.push_back(now_ms() - begin);
     }
     const double k = body->wave_number(), plane = plane_wave_error(*body);
@@ -121,11 +121,11 @@ void measure_spheres(const Context& context, std::vector<Row>& rows) {
                                  SphereSeries::point_source(k, radius, source));
     const double force = force_function(*body);
     if (faces > 3000 && std::max(plane, near) > 0.005) wrong("a sphere's pressure is more than 0.5 % off its series");
-    if (faces > 3000 && std::abs(force / acoustics::sphere_force_function(usual_ka) - 1) > 0.01)
+    if (faces > 3000 && std::abs(force / acoustics::sphere_force_function(default_ka) - 1) > 0.01)
       wrong("the force on a sphere is more than 1 % off its series");
     rows.push_back(make_row("acoustics", fmt::format("sphere, {} faces", faces), "operator", std::move(samples)));
     rows.back().note = fmt::format("ka 5.86: plane wave {:.3f} %, point source {:.3f} %, Y_p {:.4f} of {:.4f}; {} MB",
-                                   plane * 100, near * 100, force, acoustics::sphere_force_function(usual_ka),
+                                   plane * 100, near * 100, force, acoustics::sphere_force_function(default_ka),
                                    acoustics::operator_bytes(body->mesh(), k) / 1'000'000);
     if (!body->effort().iterates) continue;
     const double ms = rows.back().median_ms;

@@ -9,7 +9,7 @@
 
 namespace palpa::geometry {
 
-std::uint32_t usual_stride(std::uint32_t foci) {
+std::uint32_t default_stride(std::uint32_t foci) {
   std::uint32_t best = 1;
   const auto off = [foci](std::uint32_t stride) {  // tenths of a focus from the ideal stride
     return std::abs(10 * std::int64_t{stride} - 3 * std::int64_t{foci});
@@ -59,7 +59,7 @@ std::string stride_fault(std::uint32_t foci, std::uint32_t stride) {
   if (foci == 1 || shared == 1) return {};
   return fmt::format(
       "stride {} and {} foci share the divisor {}, so some foci would never sound; give a stride such as {}", stride,
-      foci, shared, usual_stride(foci));
+      foci, shared, default_stride(foci));
 }
 
 }  // namespace palpa::geometry

@@ -31,7 +31,7 @@ double force_at(std::span<const DepthForce> table, double depth_m);
 /// The most rows of such a table.
 inline constexpr std::size_t most_stiffness_rows = 32;
 
-inline constexpr double usual_grain_m = 2e-3;
+inline constexpr double default_grain_m = 2e-3;
 
 /// A click of this length and frequency; nullopt if they are not two numbers in its ranges.
 std::optional<Click> click_of(std::span<const double> numbers);
@@ -66,7 +66,7 @@ struct Haptics {
 
 /// The default stride. Among the strides that leave out no focus, it is the one nearest to 0.3 of the number of foci;
 /// of two equally near, the larger: 3 for 10 foci.
-std::uint32_t usual_stride(std::uint32_t foci);
+std::uint32_t default_stride(std::uint32_t foci);
 
 /// An error text if the stride shares a divisor with the number of foci, so that its order leaves out foci; it names
 /// the usual stride. Empty if the stride is valid. A single focus works with every stride.

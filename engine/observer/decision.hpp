@@ -27,7 +27,7 @@ namespace palpa::observer {
 inline constexpr std::size_t noise_parts = 8;
 
 /// Pairs of draws in each part. With twice as many, the accuracy of no variant changes by 0.005.
-inline constexpr std::size_t usual_points = 8192;
+inline constexpr std::size_t default_points = 8192;
 
 struct Decisions {
   std::vector<double> shares;  ///< by rows: of the answers to each shape
@@ -40,7 +40,7 @@ class Normals {
  public:
   /// For templates of this number of placements and size. `points`: pairs of draws in each part, divided among the
   /// placements.
-  Normals(std::size_t placements, std::size_t size, std::size_t points = usual_points);
+  Normals(std::size_t placements, std::size_t size, std::size_t points = default_points);
 
   /// Pairs of draws in each part at a placement.
   std::size_t points() const { return points_; }

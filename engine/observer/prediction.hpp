@@ -79,8 +79,8 @@ struct Prediction {
 };
 
 struct PredictOptions {
-  bool keep = false;                  ///< whether decisions are kept between runs (kept_variants.hpp)
-  std::size_t points = usual_points;  ///< of noise (decision.hpp)
+  bool keep = false;                    ///< whether decisions are kept between runs (kept_variants.hpp)
+  std::size_t points = default_points;  ///< of noise (decision.hpp)
 };
 
 /// Throws failure if the reference cannot be fitted: its accuracy is lower even without noise. Reports its progress

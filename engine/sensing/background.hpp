@@ -23,7 +23,7 @@ struct LearnedBackground {
 };
 
 /// More unsteady pixels than this share mean that something moved.
-inline constexpr double usual_unsteady = 0.05;
+inline constexpr double default_unsteady = 0.05;
 
 class BackgroundFrames {
  public:

@@ -19,9 +19,9 @@ namespace palpa::setup {
 namespace {
 
 constexpr double farthest_m = 100;
-constexpr std::uint32_t most_pixels = 65536;  // on a side
-constexpr std::uint32_t usual_pixels = 256;   // on the longer side
-constexpr std::uint32_t usual_samples = 201;
+constexpr std::uint32_t most_pixels = 65536;   // on a side
+constexpr std::uint32_t default_pixels = 256;  // on the longer side
+constexpr std::uint32_t default_samples = 201;
 /// Memory per point until its results are written: its position, its pressure, and both as text.
 constexpr std::uint64_t bytes_per_point = 160;
 
@@ -62,7 +62,7 @@ std::uint32_t parse_pixel_count(std::string_view text) {
 }
 
 void set_square_pixels(Grid& grid) {
-  const double pixel = std::max(grid.size_m.x, grid.size_m.y) / usual_pixels;
+  const double pixel = std::max(grid.size_m.x, grid.size_m.y) / default_pixels;
   const auto count = [&](double side) { return static_cast<std::uint32_t>(std::max(1.0, std::round(side / pixel))); };
   grid.columns = count(grid.size_m.x);
   grid.rows = count(grid.size_m.y);
@@ -197,7 +197,7 @@ void add_place_options(CLI::App& app, PlaceOptions& options) {
   group.pair("--line", options.line, "X,Y,Z", "computes on a line between two points, both included",
              [](const std::string& text) { parse_place("--line", text); });
   group.integer("--samples", options.samples, 2, 100'000'000,
-                fmt::format("number of points on the line [{}]", usual_samples));
+                fmt::format("number of points on the line [{}]", default_samples));
   group.text("--points", options.points, "FILE",
              "computes at the points of a PLY file, or at the vertices of its surface");
   line::need(app, {"--centre", "--size", "--pixels"}, "--plane");
@@ -218,7 +218,7 @@ Places load_places(const PlaceOptions& options) {
   if (options.plane) return plane_places(grid_of(options));
   if (options.line[0].empty()) return file_of(options);
   const auto [from, to] = ends_of(options);
-  return line_places(from, to, options.samples.value_or(usual_samples));
+  return line_places(from, to, options.samples.value_or(default_samples));
 }
 
 }  // namespace palpa::setup

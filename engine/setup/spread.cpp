@@ -120,7 +120,7 @@ void add_spread_options(CLI::App& app, SpreadOptions& options) {
       fmt::format("computes everything again for random arrays and reports ranges; standard deviations: {}", example),
       check_spread);
   group.integer("--draws", options.draws, least_draws, most_draws,
-                fmt::format("with --spread: number of random arrays [{}]", usual_draws));
+                fmt::format("with --spread: number of random arrays [{}]", default_draws));
   line::need(app, {"--draws"}, "--spread");
 }
 
@@ -152,7 +152,7 @@ Percentiles percentiles(std::vector<double> values) {
 }
 
 Draws draws_of(const SpreadOptions& options, std::uint64_t seed) {
-  return {.count = options.draws.value_or(usual_draws), .seed = seed};
+  return {.count = options.draws.value_or(default_draws), .seed = seed};
 }
 
 void begin_spread(JsonWriter& json, const Draws& draws) {

@@ -21,11 +21,11 @@ class App;
 namespace palpa::setup {
 
 /// Draws if none are requested, and limits of --draws.
-inline constexpr std::uint32_t usual_draws = 200, least_draws = 20, most_draws = 100'000;
+inline constexpr std::uint32_t default_draws = 200, least_draws = 20, most_draws = 100'000;
 
 struct SpreadOptions {
   std::string text;                    ///< for parse_spread; empty: none
-  std::optional<std::uint32_t> draws;  ///< default usual_draws
+  std::optional<std::uint32_t> draws;  ///< default default_draws
 };
 /// --spread and --draws.
 void add_spread_options(CLI::App& app, SpreadOptions& options);

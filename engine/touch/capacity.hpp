@@ -6,7 +6,7 @@
 namespace palpa::touch {
 
 /// Default number of contacts of one frame with cameras.
-inline constexpr std::uint32_t usual_contacts = 262'144;
+inline constexpr std::uint32_t default_contacts = 262'144;
 
 /// Anything beyond this capacity is left out; the passes' totals report it. DevicePoints sets the capacity
 /// (points/device_points.hpp).

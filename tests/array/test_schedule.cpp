@@ -63,17 +63,17 @@ TEST(FillOrder, EveryFocusOnceOrRefused) {
   }));
 }
 
-TEST(FillOrder, TheUsualStrideIsTheNearestToThreeTenthsThatLeavesNoneOut) {
-  EXPECT_EQ(geometry::usual_stride(10), 3U) << "the paper's";
-  EXPECT_EQ(geometry::usual_stride(5), 2U) << "1 is as near: the larger";
-  EXPECT_EQ(geometry::usual_stride(1), 1U);
+TEST(FillOrder, TheDefaultStrideIsTheNearestToThreeTenthsThatLeavesNoneOut) {
+  EXPECT_EQ(geometry::default_stride(10), 3U) << "the paper's";
+  EXPECT_EQ(geometry::default_stride(5), 2U) << "1 is as near: the larger";
+  EXPECT_EQ(geometry::default_stride(1), 1U);
   for (std::uint32_t foci = 2; foci <= 64; ++foci) {
     std::uint32_t nearest = 0;
     for (std::uint32_t stride = 1; stride < foci; ++stride) {
       if (std::gcd(stride, foci) != 1) continue;
       if (nearest == 0 || std::abs(stride - 0.3 * foci) <= std::abs(nearest - 0.3 * foci) + 1e-9) nearest = stride;
     }
-    EXPECT_EQ(geometry::usual_stride(foci), nearest) << foci;
+    EXPECT_EQ(geometry::default_stride(foci), nearest) << foci;
   }
 }
 

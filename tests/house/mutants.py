@@ -115,11 +115,10 @@ def programs(leg):
     return {str(path.relative_to(leg.build)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files if path.is_file()}
 
 
-def build_clean(leg):
-    fault = build(leg)
+def build_without(leg, targets=()):
+    fault = build(leg, targets)
     if fault:
         die(f"without any fault, the preset {leg.preset} does not build:\n{fault[-3000:]}")
-    leg.clean = programs(leg)
 
 
 # ---- topics ---------------------------------------------------------------------------------------------------------
@@ -202,9 +201,7 @@ def passes_without(leg, path, tree, topic, targets):
     """Whether this topic passes without the fault. If it does not, the fault is applied and built again."""
     if topic not in leg.passes | leg.fails:
         restore(tree)
-        fault = build(leg, targets)
-        if fault:
-            die(f"without any fault, the preset {leg.preset} does not build:\n{fault[-3000:]}")
+        build_without(leg, targets)
         (leg.fails if first_failure(leg, [topic]) else leg.passes).add(topic)
         if topic in leg.fails:
             say(f"{topic} fails without any fault, too: left out")
@@ -218,7 +215,8 @@ def judge(leg, path, tree):
     if not apply(path, "--check"):
         return "stale", ""
     if leg.clean is None:
-        build_clean(leg)
+        build_without(leg)
+        leg.clean = programs(leg)
     try:
         apply(path)
         near, ran = near_of(leg, path), set()

@@ -226,7 +226,7 @@ TEST(IdealObserver, NumericalErrorOfAnAccuracy) {
                   cross = templates_of(responses, 1, reference, 0, 5);
   double accuracies[2];
   for (const std::size_t i : {0, 1}) {
-    const std::size_t points = i == 0 ? usual_points : (test::exhaustive() ? 8 : 4) * usual_points;
+    const std::size_t points = i == 0 ? default_points : (test::exhaustive() ? 8 : 4) * default_points;
     const Normals normals(single.placements, single.size(), points);
     const Observer observer(single, normals);
     accuracies[i] = Observer(cross, normals).decide(sigma_for(observer, single, 0.39)).accuracy;

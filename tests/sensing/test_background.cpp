@@ -42,7 +42,7 @@ TEST(Background, OfAStillSceneDropsThatSceneAndKeepsAHandBeforeIt) {
   }
   const LearnedBackground learned = frames.finish();
   EXPECT_GT(learned.pixels, 40'000U);
-  EXPECT_LT(static_cast<double>(learned.unsteady), usual_unsteady * static_cast<double>(learned.pixels));
+  EXPECT_LT(static_cast<double>(learned.unsteady), default_unsteady * static_cast<double>(learned.pixels));
   EXPECT_GT(learned.noise_m, 0.2e-3);
   EXPECT_LT(learned.noise_m, 4e-3);
   EXPECT_GE(learned.background.margin_m, 2e-3);

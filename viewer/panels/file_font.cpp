@@ -17,14 +17,14 @@ namespace palpa::viewer {
 namespace {
 
 /// Where distributions have them.
-constexpr const char* usual_places[] = {"/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
-                                        "/usr/share/fonts/noto/NotoSans-Regular.ttf",
-                                        "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                        "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-                                        "/usr/share/fonts/TTF/DejaVuSans.ttf",
-                                        "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
-                                        "/usr/share/fonts/liberation-sans/LiberationSans-Regular.ttf",
-                                        "/usr/share/fonts/liberation/LiberationSans-Regular.ttf"};
+constexpr const char* default_places[] = {"/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
+                                          "/usr/share/fonts/noto/NotoSans-Regular.ttf",
+                                          "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                          "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                          "/usr/share/fonts/TTF/DejaVuSans.ttf",
+                                          "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+                                          "/usr/share/fonts/liberation-sans/LiberationSans-Regular.ttf",
+                                          "/usr/share/fonts/liberation/LiberationSans-Regular.ttf"};
 constexpr std::uint64_t most_bytes = 8U << 20;
 
 /// Latin, and what the strokes have besides ASCII.
@@ -79,7 +79,7 @@ std::string fontconfig_file() {
 }
 
 std::string system_font() {
-  for (const char* place : usual_places) {
+  for (const char* place : default_places) {
     if (std::string bytes = bytes_of(place); !bytes.empty()) return bytes;
   }
   return bytes_of(fontconfig_file());

@@ -21,8 +21,8 @@ struct Shape {
 /// smoothly. A crease is drawn if it closes, or if together with those that it meets it is at least a quarter as long
 /// as the object. The short folds of a scan are not drawn. `colours`, if not empty, are the vertices' colours: the
 /// shape's corners then have their own colours.
-inline constexpr double usual_crease = 0.52;
-Shape make_shape(const geometry::Mesh& mesh, double crease = usual_crease,
+inline constexpr double default_crease = 0.52;
+Shape make_shape(const geometry::Mesh& mesh, double crease = default_crease,
                  std::span<const drawing::Colour> colours = {});
 
 }  // namespace palpa::viewer

@@ -64,7 +64,7 @@ void DrawnPicture::end_surfaces(SurfaceMemory& memory, const char* name, const c
 }
 
 SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
-  Shape shape = make_shape(surface.mesh, usual_crease, surface.colours);
+  Shape shape = make_shape(surface.mesh, default_crease, surface.colours);
   SurfaceItems range;
   const auto first_vertex = static_cast<std::uint32_t>(new_vertices_.size());
   const auto append = [&](std::span<const std::uint32_t> corners) {

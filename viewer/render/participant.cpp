@@ -36,7 +36,7 @@ void write_line(drawing::Pixels& picture, std::string_view text, double ratio) {
 }
 
 Barrier barrier_of(const Participant& p, std::uint32_t width, std::uint32_t height) {
-  Barrier barrier = usual_barrier(p.screen, eyes_before(p.screen, p.eyes_apart_m), p.stereo, width, height);
+  Barrier barrier = default_barrier(p.screen, eyes_before(p.screen, p.eyes_apart_m), p.stereo, width, height);
   barrier.pitch_m = p.barrier_pitch_m.value_or(barrier.pitch_m);
   barrier.gap_m = p.barrier_gap_m.value_or(barrier.gap_m);
   barrier.phase = p.barrier_phase;

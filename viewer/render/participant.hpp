@@ -15,7 +15,7 @@ struct Participant {
   sensing::Screen screen;  ///< its eye is the point between the participant's eyes
   double eyes_apart_m = 63e-3;
   Stereo stereo = Stereo::none;
-  /// For columns and rows. By default, those of usual_barrier().
+  /// For columns and rows. By default, those of default_barrier().
   std::optional<double> barrier_pitch_m{}, barrier_gap_m{};
   double barrier_phase = 0;
   bool operator==(const Participant&) const = default;

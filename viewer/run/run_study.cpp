@@ -125,7 +125,7 @@ std::string stretched_line(const ParticipantScene& scene, const VkExtent2D& size
 }
 
 /// As high as usual, with the shape of the screen, so that objects appear where they are felt.
-setup::WindowSize usual_size(const sensing::Screen& screen) {
+setup::WindowSize default_size(const sensing::Screen& screen) {
   constexpr double height = 720, most_width = 1600;
   const double width = std::min(height * screen.width_m / screen.height_m, most_width);
   return {static_cast<std::uint32_t>(std::lround(width)),
@@ -150,7 +150,7 @@ Window participant_window(const setup::StudyRunOptions& options, const sensing::
   if (options.size.empty() && (monitors.size() > 1 || !options.monitor.empty()))
     return {chosen_monitor(monitors, options.monitor), title, true};
   const setup::WindowSize size =
-      options.size.empty() ? usual_size(screen) : setup::parse_window_size("--size", options.size);
+      options.size.empty() ? default_size(screen) : setup::parse_window_size("--size", options.size);
   return {WindowWish{.width = size.width, .height = size.height, .in_points = options.size.empty()}, title};
 }
 

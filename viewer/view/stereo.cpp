@@ -87,8 +87,8 @@ Eyes eyes_before(const sensing::Screen& screen, double apart_m) {
   return {screen.eye_m - half, screen.eye_m + half};
 }
 
-Barrier usual_barrier(const sensing::Screen& screen, const Eyes& eyes, Stereo stereo, std::uint32_t width,
-                      std::uint32_t height) {
+Barrier default_barrier(const sensing::Screen& screen, const Eyes& eyes, Stereo stereo, std::uint32_t width,
+                        std::uint32_t height) {
   const double distance = on_screen(screen, (eyes.left + eyes.right) / 2.0).z;
   if (stereo == Stereo::rows) return {2 * screen.height_m / height, 0, 0};
   // Seen from the eyes, two columns are as wide as a pitch. Seen through the slits, the eyes are half a pitch apart.

@@ -44,8 +44,8 @@ struct Barrier {
 };
 /// The barrier with which different eyes see neighbouring columns of a picture that is `width` wide. With rows
 /// (`height` of them), each eye gets half of them, and the barrier has no gap.
-Barrier usual_barrier(const sensing::Screen& screen, const Eyes& eyes, Stereo stereo, std::uint32_t width,
-                      std::uint32_t height);
+Barrier default_barrier(const sensing::Screen& screen, const Eyes& eyes, Stereo stereo, std::uint32_t width,
+                        std::uint32_t height);
 
 /// Whether a place on the screen, in metres from its middle along x (`columns`) or y (`rows`), belongs to the left eye.
 /// With columns, it belongs to the eye that sees it nearer to the middle of a slit. Rows alternate, as seen from the

@@ -43,7 +43,7 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   const double begin_s = device_time_s();
   const emulate::Stop ends;  // until everything is printed
   EmulatedServer server(layout.boards.size());
-  Listener listener(static_cast<std::uint16_t>(options.port.value_or(emulate::usual_port)));
+  Listener listener(static_cast<std::uint16_t>(options.port.value_or(emulate::default_port)));
   const auto violations = emulate::serve(
       options,
       {.address = listener.address(),

@@ -80,7 +80,7 @@ const SearchEffort* effort_for(Care care, Constraint constraint, std::size_t foc
   if (constraint == Constraint::normalise || foci < 2 || foci > most_searched_foci) return nullptr;
   if (care == Care::most) return &loudest_search;
   if (!near()) return nullptr;
-  return foci <= gs_pat_few ? &usual_search : &many_search;
+  return foci <= gs_pat_few ? &default_search : &many_search;
 }
 
 /// The share of the sound of focus `k` that is heard at focus `j`, 0 .. 1; 0 if one of them cannot be reached.

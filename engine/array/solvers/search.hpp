@@ -31,7 +31,7 @@ struct SearchEffort {
 };
 
 /// The efforts of gs-pat for up to gs_pat_few foci and for more, and of `loudest`. At most most_searched_foci foci.
-inline constexpr SearchEffort usual_search{16, 12, 256, 3, {5, 5, 0, 256, 2e-3}, {5, 10, 12, 1024, 1e-3, 0.955}};
+inline constexpr SearchEffort default_search{16, 12, 256, 3, {5, 5, 0, 256, 2e-3}, {5, 10, 12, 1024, 1e-3, 0.955}};
 inline constexpr SearchEffort many_search{16, 12, 128, 1, {0, 0, 0, 128, 2e-3}, {4, 8, 6, 128, 2e-3, 0.955}};
 inline constexpr SearchEffort loudest_search{64, 20, 1024, 16, {10, 20, 0, 1024, 5e-4}, {15, 60, 12, 65536, 1e-4}};
 

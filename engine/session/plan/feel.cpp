@@ -59,7 +59,7 @@ Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics
     Own& own = solids_.emplace_back();
     own.gain = resolved[s].voice.gain;
     own.press_depth_m = haptics.press_depth_m;
-    own.grain_m = haptics.grain_m.value_or(geometry::usual_grain_m);
+    own.grain_m = haptics.grain_m.value_or(geometry::default_grain_m);
     if (haptics.click) own.click = *haptics.click;
     if (haptics.texture) own.texture = {(*haptics.texture)[0], (*haptics.texture)[1], (*haptics.texture)[2]};
     if (!haptics.stiffness) continue;

@@ -98,13 +98,13 @@ void Scheduler::thin(touch::Placement& placement, array::VoiceOptions& voice) co
   std::copy_n(chosen.begin(), left, placement.foci.begin());
   placement.foci.resize(left);
   // The requested stride may share a divisor with the remaining number of foci.
-  if (voice.stride && std::gcd(*voice.stride, left) != 1) voice.stride = geometry::usual_stride(left);
+  if (voice.stride && std::gcd(*voice.stride, left) != 1) voice.stride = geometry::default_stride(left);
 }
 
 void Scheduler::tune(const touch::Touch& touch, const touch::Finger& finger, double time_s, std::span<const Vec3> foci,
                      array::VoiceOptions& voice, ScheduledFinger& out) {
   const auto count = static_cast<std::uint32_t>(foci.size());
-  const acoustics::Ring ring{out.perimeter_m, count, voice.stride.value_or(geometry::usual_stride(count)),
+  const acoustics::Ring ring{out.perimeter_m, count, voice.stride.value_or(geometry::default_stride(count)),
                              voice.dwell_s};
   if (options_.tune == Tune::stride) {
     voice.stride = strides_.stride_for(finger.id, ring, time_s);

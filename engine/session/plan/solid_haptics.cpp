@@ -17,7 +17,7 @@ std::int64_t nanoseconds(double seconds) {
 
 SolidHaptics resolve(const geometry::Haptics& asked, const touch::Parameters& touch, const array::VoiceOptions& voice) {
   SolidHaptics haptics{asked.foci.value_or(touch.foci), voice, asked.foci || asked.stride || asked.dwell_s};
-  haptics.voice.stride = asked.stride.value_or(voice.stride.value_or(geometry::usual_stride(haptics.foci)));
+  haptics.voice.stride = asked.stride.value_or(voice.stride.value_or(geometry::default_stride(haptics.foci)));
   haptics.voice.dwell_s = asked.dwell_s.value_or(voice.dwell_s);
   haptics.voice.gain = asked.intensity.value_or(voice.gain);
   if (asked.pressure_pa) haptics.voice.pressure_pa = asked.pressure_pa;

@@ -30,7 +30,8 @@ void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32
     if (filled == sector || !placement.together) voice.foci.emplace_back(placement.foci[filled].position);
   }
   const auto foci = static_cast<std::uint32_t>(voice.foci.size());
-  array::fill_order(foci, placement.together ? 1 : options.stride.value_or(geometry::usual_stride(foci)), voice.order);
+  array::fill_order(foci, placement.together ? 1 : options.stride.value_or(geometry::default_stride(foci)),
+                    voice.order);
   voice.foci_per_slot = placement.together ? foci : 1;
 }
 

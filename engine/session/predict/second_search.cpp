@@ -16,7 +16,7 @@ namespace palpa::session {
 namespace {
 
 /// If wide clusters are not examined, fingers have no stated width.
-constexpr double usual_width_m = 25e-3;
+constexpr double default_width_m = 25e-3;
 /// A finger with more pixels around it is examined at every 2nd or 3rd pixel of every 2nd or 3rd row. Only the
 /// differences between two places count, and both have the same points.
 constexpr std::size_t enough_pixels = 3000;
@@ -63,7 +63,7 @@ SecondSearch::SecondSearch(const CameraView& view, const touch::PreparedSolids& 
     : view_(view),
       solids_(solids),
       parameters_(parameters),
-      reach_m_(parameters.finger_width_m > 0 ? parameters.finger_width_m : usual_width_m) {
+      reach_m_(parameters.finger_width_m > 0 ? parameters.finger_width_m : default_width_m) {
   parameters_.deep = false;
   parameters_.cluster = touch::Cluster::contacts;
   for (touch::Touch* touch : {&before_, &after_})

@@ -20,9 +20,9 @@ bool EffortControl::planned(const FrameTimes& frame) {
   if (++steady_ <= settle && acted()) return false;
   const double reach_s = frame.capture_to_plan_s + std::min(frame.apart_s, frame.work_s);
   late_ = reach_s > most_of_hold * hold_s_ ? late_ + 1 : 0;
-  calm_ = reach_s <= calm_below * usual_hold_s_ ? calm_ + 1 : 0;
+  calm_ = reach_s <= calm_below * default_hold_s_ ? calm_ + 1 : 0;
   const double without_s = frame.capture_to_plan_s + (2 * more_without_last_step() - 1) * frame.work_s;
-  sure_ = without_s <= sure_below * usual_hold_s_ ? sure_ + 1 : 0;
+  sure_ = without_s <= sure_below * default_hold_s_ ? sure_ + 1 : 0;
   if (late_ >= late_frames) return shed(reach_s);
   return (sure_ >= first_calm || calm_ >= calm_needed_) && take_back();
 }
@@ -48,8 +48,8 @@ bool EffortControl::shed(double reach_s) {
 
 bool EffortControl::take_back() {
   calm_ = sure_ = 0;
-  if (hold_s_ > usual_hold_s_) {
-    hold_s_ = usual_hold_s_;
+  if (hold_s_ > default_hold_s_) {
+    hold_s_ = default_hold_s_;
     steady_ = late_ = 0;
     return true;
   }
@@ -62,7 +62,7 @@ bool EffortControl::take_back() {
 
 /// Factor by which a frame may take longer without the last step, if that step affects all of its work.
 double EffortControl::more_without_last_step() const {
-  if (hold_s_ > usual_hold_s_) return 1;
+  if (hold_s_ > default_hold_s_) return 1;
   const auto more = [](std::uint32_t n) { return n > 1 ? static_cast<double>(n) / (n - 1) : 1.0; };
   if (now_.foci_part > 1) return more(now_.foci_part);
   return more(now_.pixel_stride) * more(now_.pixel_stride);

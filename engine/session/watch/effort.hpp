@@ -41,7 +41,7 @@ class EffortControl {
   /// `most` is the maximum that can be shed; {1, 1}: nothing. If that is not enough, the hold may grow to
   /// `longest_hold_s`.
   EffortControl(double hold_s, const Effort& most, double longest_hold_s = 0)
-      : usual_hold_s_(hold_s), longest_hold_s_(longest_hold_s), hold_s_(hold_s), most_hold_s_(hold_s), most_(most) {}
+      : default_hold_s_(hold_s), longest_hold_s_(longest_hold_s), hold_s_(hold_s), most_hold_s_(hold_s), most_(most) {}
 
   /// Returns true if the effort has changed.
   bool planned(const FrameTimes& frame);
@@ -52,7 +52,7 @@ class EffortControl {
   double hold_s() const { return hold_s_; }
   double most_hold_s() const { return most_hold_s_; }
   /// Whether any work was shed or the hold was lengthened.
-  bool acted() const { return !least_.whole() || most_hold_s_ > usual_hold_s_; }
+  bool acted() const { return !least_.whole() || most_hold_s_ > default_hold_s_; }
   /// From the capture of a frame to the drives of the next one, when that was first too long.
   double late_s() const { return late_s_; }
   /// Frames in a row since the last change.
@@ -75,7 +75,7 @@ class EffortControl {
   bool take_back();
   double more_without_last_step() const;
 
-  double usual_hold_s_, longest_hold_s_, hold_s_, most_hold_s_, late_s_ = 0;
+  double default_hold_s_, longest_hold_s_, hold_s_, most_hold_s_, late_s_ = 0;
   Effort most_, now_, least_;
   std::uint32_t steady_ = 0, late_ = 0, calm_ = 0, sure_ = 0;
   std::uint32_t calm_needed_ = first_calm;

@@ -43,8 +43,8 @@ struct Event {
 };
 
 struct EventOptions {
-  double move_m = 0.5e-3;      ///< 0: every frame is a move
-  double rearm = usual_rearm;  ///< of the press depth: above it, a finger that presses still does
+  double move_m = 0.5e-3;        ///< 0: every frame is a move
+  double rearm = default_rearm;  ///< of the press depth: above it, a finger that presses still does
 };
 
 class EventTracker {

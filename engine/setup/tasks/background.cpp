@@ -24,14 +24,14 @@ namespace palpa::setup {
 namespace {
 
 constexpr std::uint64_t most_frames = 1000, least_frames = 10;
-constexpr double seconds = 2, usual_rate_hz = 90;
+constexpr double seconds = 2, default_rate_hz = 90;
 
 std::uint64_t frames_of(const BackgroundTask& task, const std::vector<sensing::Camera>& cameras) {
   if (task.frames != 0) return task.frames;
   double rate_hz = 0;
   for (const sensing::Camera& camera : cameras)
     rate_hz = std::max(rate_hz, camera.rate_hz);
-  const double frames = std::ceil(seconds * (rate_hz > 0 ? rate_hz : usual_rate_hz));
+  const double frames = std::ceil(seconds * (rate_hz > 0 ? rate_hz : default_rate_hz));
   return static_cast<std::uint64_t>(std::clamp(frames, double{least_frames}, double{most_frames}));
 }
 
@@ -65,7 +65,7 @@ void warn_of(const BackgroundOfCamera& camera) {
     return;
   }
   const double share = static_cast<double>(learned.unsteady) / static_cast<double>(learned.pixels);
-  if (share <= sensing::usual_unsteady) return;
+  if (share <= sensing::default_unsteady) return;
   log::warning(fmt::format(
       "camera \"{}\": {:.0f} % of its pixels differ from frame to frame, so something moved while the background was "
       "learned; keep hands and cables out of sight, and learn it again",

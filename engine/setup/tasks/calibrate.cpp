@@ -24,13 +24,13 @@
 namespace palpa::setup {
 namespace {
 
-constexpr std::uint64_t usual_frames = 30, most_frames = 100;
+constexpr std::uint64_t default_frames = 30, most_frames = 100;
 constexpr double degree = std::numbers::pi / 180;
 /// More than any camera's noise within a metre.
 constexpr double usual_rms_m = 1e-3;
 
 std::uint64_t frames_of(const CalibrateTask& task) {
-  return task.frames == 0 ? usual_frames : task.frames;
+  return task.frames == 0 ? default_frames : task.frames;
 }
 
 std::string source_of(const StillTask& task) {

@@ -67,7 +67,7 @@ std::vector<std::uint32_t> touches_of(const PlanBlock& block, Random& random) {
 
 }  // namespace
 
-OrderRule usual_order(std::size_t methods) {
+OrderRule default_order(std::size_t methods) {
   return methods == 1 ? OrderRule::fixed : methods == 2 ? OrderRule::halves : OrderRule::williams;
 }
 

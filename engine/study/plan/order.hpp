@@ -15,7 +15,7 @@ namespace palpa::study {
 inline constexpr std::uint32_t most_participant_number = 999'999;
 
 /// The rule if a plan has none: as in the paper for two methods, a Williams square for more.
-OrderRule usual_order(std::size_t methods);
+OrderRule default_order(std::size_t methods);
 
 /// The rows of a Williams square of `methods` conditions: n for even n, 2 n for odd n. Over all rows, each condition
 /// stands in each place equally often, and follows each other one equally often (Williams 1949).

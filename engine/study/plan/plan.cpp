@@ -80,7 +80,7 @@ std::uint32_t trials_of_method(const StudyPlan& plan) {
   return static_cast<std::uint32_t>(trials);
 }
 
-std::uint32_t usual_least_trials(const StudyPlan& plan) {
+std::uint32_t default_least_trials(const StudyPlan& plan) {
   return (3 * trials_of_method(plan) + 3) / 4;
 }
 

@@ -30,7 +30,7 @@ struct PlanCounts {
   std::uint32_t participants = 10, trials_per_shape = 10;
   double touch_s = 10;
   /// Who has fewer answered trials with a method is left out when methods are compared. By default, three quarters of
-  /// the planned ones (usual_least_trials).
+  /// the planned ones (default_least_trials).
   std::uint32_t least_trials = 30;
 };
 
@@ -173,7 +173,7 @@ struct StudyPlan {
 /// A participant's trials with each method.
 std::uint32_t trials_of_method(const StudyPlan& plan);
 /// Three quarters of them, rounded up.
-std::uint32_t usual_least_trials(const StudyPlan& plan);
+std::uint32_t default_least_trials(const StudyPlan& plan);
 
 /// What a plan measures less than its author may think, one line each; empty for a usual plan.
 std::vector<std::string> doubts_of(const StudyPlan& plan);

@@ -83,7 +83,7 @@ void refuse_missing_texts(TomlTable& table, const StudyPlan& plan) {
 /// Counts are read before the blocks that they bound.
 void settle_least_trials(const TomlTable& table, StudyPlan& plan) {
   std::uint32_t& least = plan.counts.least_trials;
-  if (least == unset_least_trials) least = usual_least_trials(plan);
+  if (least == unset_least_trials) least = default_least_trials(plan);
   if (const std::uint32_t all = trials_of_method(plan); least > all) {
     throw table.fault("study", fmt::format("[study] least_trials is {}, but a participant has only {} with each method",
                                            least, counted(all, "trial")));
@@ -99,12 +99,12 @@ StudyPlan plan_of(TomlTable table, const std::string& name, const std::string& t
   read_shapes(table, plan);
   read_methods(table, plan);
   if (std::optional<TomlTable> counts = table.table("study")) plan.counts = counts_of(*counts);
-  plan.run.order = usual_order(plan.methods.size());
+  plan.run.order = default_order(plan.methods.size());
   if (std::optional<TomlTable> run = table.table("run")) plan.run = run_of(*run, plan);
   if (std::optional<TomlTable> level = table.table("level")) plan.level = level_of(*level);
   for (TomlTable& one : table.tables("block"))
     plan.blocks.push_back(block_of(one, plan));
-  if (plan.blocks.empty()) plan.blocks = usual_blocks(plan);
+  if (plan.blocks.empty()) plan.blocks = default_blocks(plan);
   settle_least_trials(table, plan);
   plan.language = table.text_or("language", plan.language);
   if (std::optional<TomlTable> texts = table.table("texts")) texts_of(*texts, plan);

@@ -225,7 +225,7 @@ PlanBlock block_of(TomlTable& table, const StudyPlan& plan) {
   return block;
 }
 
-std::vector<PlanBlock> usual_blocks(const StudyPlan& plan) {
+std::vector<PlanBlock> default_blocks(const StudyPlan& plan) {
   std::vector<std::uint32_t> all(plan.shapes.size());
   for (std::uint32_t i = 0; i < all.size(); ++i)
     all[i] = i;

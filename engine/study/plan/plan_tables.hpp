@@ -27,7 +27,7 @@ PlanLevel level_of(TomlTable& table);
 PlanBlock block_of(TomlTable& table, const StudyPlan& plan);
 /// The paper's blocks (section IV-C) with the plan's counts: each shape seen and felt, 3 minutes of free touch, one
 /// practice, the trials.
-std::vector<PlanBlock> usual_blocks(const StudyPlan& plan);
+std::vector<PlanBlock> default_blocks(const StudyPlan& plan);
 /// [texts.LANGUAGE] of each language into the plan.
 void texts_of(TomlTable& table, StudyPlan& plan);
 

@@ -59,7 +59,7 @@ DevicePoints::DevicePoints(Passes& passes, const sensing::RayTables& tables, con
   read_times_.reserve(most_passes);
   if (tables.pixels != 0) {
     make(capacity_for(setting, static_cast<std::uint32_t>(std::min<std::uint64_t>(tables.pixels, most_points(setting))),
-                      usual_contacts));
+                      default_contacts));
   } else if (setting.most_points != 0) {
     make(capacity_for(setting, setting.most_points, setting.most_points));
   }

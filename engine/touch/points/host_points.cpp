@@ -13,7 +13,7 @@ HostPoints::HostPoints(const sensing::RayTables& tables, const PreparedSolids& s
     : tables_(tables), solids_(solids) {
   skin_.points.reserve(tables.pixels);
   const std::uint64_t points = tables.pixels != 0 ? tables.pixels : setting.most_points;
-  const std::uint64_t most = setting.parameters.cluster == Cluster::inside ? 2 * usual_contacts : usual_contacts;
+  const std::uint64_t most = setting.parameters.cluster == Cluster::inside ? 2 * default_contacts : default_contacts;
   reserve(clusters_, std::min(points, most));
 }
 

@@ -16,7 +16,7 @@ namespace palpa::touch {
 class HostPoints : public Points {
  public:
   /// `tables` and `solids` must outlive it. If there are cameras or if the setting gives the number of points, finish()
-  /// allocates only if `out` grows, or for more than usual_contacts contacts.
+  /// allocates only if `out` grows, or for more than default_contacts contacts.
   HostPoints(const sensing::RayTables& tables, const PreparedSolids& solids, const StageSetting& setting);
 
   void start(const Skin& skin) override { frame_ = skin; }

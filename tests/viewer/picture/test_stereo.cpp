@@ -72,7 +72,7 @@ TEST(Stereo, WhatIsInMidairIsOnTheLineFromTheEye) {
 TEST(Stereo, ThroughEverySlitEachEyeSeesItsOwnPixels) {
   sensing::Screen screen = leaning_screen();
   const Eyes eyes = eyes_before(screen, 0.063);
-  const Barrier barrier = usual_barrier(screen, eyes, Stereo::columns, 1920, 1080);
+  const Barrier barrier = default_barrier(screen, eyes, Stereo::columns, 1920, 1080);
   EXPECT_GT(barrier.gap_m, 1e-3);
   EXPECT_LT(barrier.gap_m, 4e-3);
   const double column = screen.width_m / 1920;
@@ -115,7 +115,7 @@ TEST(Stereo, TwoPicturesBecomeOne) {
     if (mode.value == Stereo::none) continue;
     const EyeSize size = eye_size(mode.value, 64, 48);
     const drawing::Pixels out = combine(filled(size, 200, 100, 0), filled(size, 0, 50, 150), screen, eyes,
-                                        usual_barrier(screen, eyes, mode.value, 64, 48), mode.value);
+                                        default_barrier(screen, eyes, mode.value, 64, 48), mode.value);
     ASSERT_EQ(out.width, 64u) << mode.word;
     ASSERT_EQ(out.height, 48u) << mode.word;
     const auto left = [&](std::uint32_t x, std::uint32_t y) { return out.at(x, y)[0] == 200; };
