@@ -86,6 +86,7 @@ TEST(SonicSurfaceWire, ATransducersPlaceInAFrameIsThatOfTheBoards) {
 TEST(SonicSurfaceWire, ACalibrationIsTakenOffAndPhasesRoundToTheNearestStep) {
   std::vector<float> degrees(transducers, 0.0f);
   degrees[1] = 180;
+  degrees[3] = 90;  // a quarter late: it begins a quarter earlier
   array::Drive drive(transducers, {1.0f, 0.0f});
   drive[2].phase = -1e-4f;
   EmulatedBoards machine(1, false);
@@ -93,6 +94,7 @@ TEST(SonicSurfaceWire, ACalibrationIsTakenOffAndPhasesRoundToTheNearestStep) {
   EXPECT_EQ(machine.sounding(0, 0), 0);
   EXPECT_EQ(machine.sounding(0, 1), 16);
   EXPECT_EQ(machine.sounding(0, 2), 0);
+  EXPECT_EQ(machine.sounding(0, 3), 24);
 }
 
 TEST(SonicSurfaceWire, ACeilingMutesTransducersEvenly) {
