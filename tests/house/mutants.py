@@ -27,7 +27,8 @@ RESULTS = OUT / "results"
 # Topics of about the same cost run side by side: those up to each of these seconds, then the rest.
 BATCHES = [0.5, 3, 15, float("inf")]
 # git must not take the copy for a part of the repository around it. ccache finds what another clone has compiled.
-ENVIRONMENT = {**os.environ, "GIT_CEILING_DIRECTORIES": str(OUT), "CCACHE_BASEDIR": str(COPY)}
+ENVIRONMENT = {**os.environ, "GIT_CEILING_DIRECTORIES": str(OUT), "CCACHE_BASEDIR": str(COPY),
+               "GTEST_FAIL_FAST": "1", "PYTEST_ADDOPTS": "-x"}  # the first failure is enough
 
 
 class Leg:
