@@ -301,8 +301,20 @@ py::tuple range_of(const setup::Percentiles& percentiles) {
   return py::make_tuple(percentiles.p05, percentiles.p50, percentiles.p95);
 }
 
-py::array complex_of(std::span<const array::TransducerDrive> drive) {
-  py::array_t<std::complex<double>> array(static_cast<py::ssize_t>(drive.size()));
+py::tuple range_of(const std::array<setup::Percentiles, 3>& axes) {
+  return py::make_tuple(range_of(axes[0]), range_of(axes[1]), range_of(axes[2]));
+}
+
+py::dict seconds_of(std::span<const std::pair<std::string, double>> times) {
+  py::dict made;
+  for (const auto& [step, ms] : times)
+    made[step.c_str()] = ms * 1e-3;
+  return made;
+}
+
+py::array complex_of(std::span<const array::TransducerDrive> drive, std::vector<py::ssize_t> shape) {
+  if (shape.empty()) shape = {static_cast<py::ssize_t>(drive.size())};
+  py::array_t<std::complex<double>> array(std::move(shape));
   std::complex<double>* to = array.mutable_data();
   for (const auto [amplitude, phase] : drive)
     *to++ = std::polar(double{amplitude}, double{phase});

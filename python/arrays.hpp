@@ -5,10 +5,12 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <array>
 #include <complex>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "array/drive.hpp"
@@ -69,7 +71,11 @@ py::array copied(const std::vector<Vec3>& points);
 py::array copied(const Transform& transform);
 /// (p05, p50, p95).
 py::tuple range_of(const setup::Percentiles& percentiles);
-/// amplitude exp(i phase).
-py::array complex_of(std::span<const array::TransducerDrive> drive);
+/// One for each axis.
+py::tuple range_of(const std::array<setup::Percentiles, 3>& axes);
+/// The times of steps, which are in milliseconds.
+py::dict seconds_of(std::span<const std::pair<std::string, double>> times);
+/// amplitude exp(i phase), in an array of this shape; by default, in one row.
+py::array complex_of(std::span<const array::TransducerDrive> drive, std::vector<py::ssize_t> shape = {});
 
 }  // namespace palpa::python

@@ -36,13 +36,6 @@
 namespace palpa::python {
 namespace {
 
-py::dict seconds_of(const setup::StepTimes& times) {
-  py::dict made;
-  for (const auto& [step, ms] : times)
-    made[step.c_str()] = ms * 1e-3;
-  return made;
-}
-
 py::object vector_or_none(const std::optional<Vec3>& vector) {
   if (!vector) return py::none();
   return copied(*vector);
@@ -61,10 +54,7 @@ void add_scatter_options(CLI::App& app, ScatterArguments& o) {
 constexpr std::initializer_list<const char*> nothing_solved = {"--amplitude", "--solver", "--transfer", "--constraint",
                                                                "--pressure"};
 
-Declared<ScatterArguments>& scatter_options() {
-  static auto* const options = new Declared<ScatterArguments>("scatter", add_scatter_options, nothing_solved);
-  return *options;
-}
+constinit DeclaredOnce<ScatterArguments> scatter_options("scatter", add_scatter_options, nothing_solved);
 
 setup::IncidentSound sound_of(const py::object& plane_wave, const py::object& point_source, const py::object& layout,
                               const py::object& drive, array::Directivity directivity, bool directivity_given) {
@@ -245,23 +235,13 @@ struct SimulateArguments {
   setup::CommonOptions common;
 };
 void add_simulate_options(CLI::App& app, SimulateArguments& o) {
-  setup::add_touch_options(app, o.task.touch);
-  setup::add_felt_options(app, o.task.in_time);
-  setup::add_rig_options(app, o.task.rig);
-  setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
-  setup::add_air_options(app, o.task.air);
-  setup::add_spread_options(app, o.task.spread);
+  setup::add_task_options(app, o.task);
   setup::add_common(app, o.common);
 }
-Declared<SimulateArguments>& simulate_options() {
-  static auto* const options = new Declared<SimulateArguments>("simulate", add_simulate_options, outputs_of_commands);
-  return *options;
-}
-Declared<SimulateArguments>& figure6_options() {
-  static auto* const options = new Declared<SimulateArguments>(
-      "figure6", add_simulate_options, {"--json", "--quiet", "--log-level", "--method", "--spread", "--draws"});
-  return *options;
-}
+constinit DeclaredOnce<SimulateArguments> simulate_options("simulate", add_simulate_options, outputs_of_commands);
+constexpr std::initializer_list<const char*> not_of_figure6 = {"--json",   "--quiet",  "--log-level",
+                                                               "--method", "--spread", "--draws"};
+constinit DeclaredOnce<SimulateArguments> figure6_options("figure6", add_simulate_options, not_of_figure6);
 
 struct FingerAir {
   setup::MediumOptions medium;
@@ -271,14 +251,10 @@ void add_finger_air(CLI::App& app, FingerAir& o) {
   setup::add_medium_options(app, o.medium);
   setup::add_air_options(app, o.air);
 }
-Declared<FingerAir>& finger_air() {
-  static auto* const options = new Declared<FingerAir>("FingerBody", add_finger_air);
-  return *options;
-}
+constinit DeclaredOnce<FingerAir> finger_air("FingerBody", add_finger_air);
 
 setup::Skin skin_word(const std::string& word) {
-  if (word == "vertices") return setup::Skin::vertices;
-  if (word == "cameras") return setup::Skin::cameras;
+  if (const auto skin = value_of(setup::skin_words, word)) return *skin;
   throw bad_usage(fmt::format("skin: '{}' is neither vertices nor cameras", printable(word, 60)));
 }
 
@@ -347,14 +323,10 @@ py::dict spot_dict(const acoustics::Spot& spot) {
   return made;
 }
 
-py::tuple axes_tuple(const std::array<setup::Percentiles, 3>& axes) {
-  return py::make_tuple(range_of(axes[0]), range_of(axes[1]), range_of(axes[2]));
-}
-
 py::dict spot_spread(const setup::SpotSpread& spot) {
   py::dict made;
   made["peak"] = range_of(spot.peak_pa);
-  made["peak_at"] = axes_tuple(spot.peak_m);
+  made["peak_at"] = range_of(spot.peak_m);
   made["half_area"] = range_of(spot.half_area_m2);
   made["half_radius"] = range_of(spot.half_radius_m);
   made["elongation"] = range_of(spot.elongation);
@@ -369,8 +341,8 @@ py::object spread_of(const SimulateObject& o) {
   made["seed"] = spread.draws.seed;
   made["langevin_spot"] = spot_spread(spread.langevin);
   made["squared_spot"] = spot_spread(spread.squared);
-  made["force"] = axes_tuple(spread.force);
-  made["torque"] = axes_tuple(spread.torque);
+  made["force"] = range_of(spread.force);
+  made["torque"] = range_of(spread.torque);
   return made;
 }
 

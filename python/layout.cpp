@@ -68,28 +68,12 @@ void add_field_options(CLI::App& app, FieldArguments& o) {
 constexpr std::initializer_list<const char*> nothing_to_solve = {
     "--json", "--quiet", "--log-level", "--amplitude", "--solver", "--transfer", "--constraint", "--pressure"};
 
-Declared<SolveArguments>& solve_options() {
-  static auto* const options = new Declared<SolveArguments>("Layout.solve", add_solve_options, outputs_of_commands);
-  return *options;
-}
-Declared<SolveArguments>& drive_options_of() {
-  static auto* const options = new Declared<SolveArguments>("Layout.drive", add_solve_options, outputs_of_commands);
-  return *options;
-}
-Declared<SolveArguments>& touch_drive_options() {
-  static auto* const options =
-      new Declared<SolveArguments>("Layout.solve_touch", add_solve_options, outputs_of_commands);
-  return *options;
-}
-Declared<setup::DriveOptionsGroup>& finger_options() {
-  static auto* const options =
-      new Declared<setup::DriveOptionsGroup>("FingerSound", add_transfer_options, only_the_air);
-  return *options;
-}
-Declared<FieldArguments>& field_options() {
-  static auto* const options = new Declared<FieldArguments>("Layout.field", add_field_options, nothing_to_solve);
-  return *options;
-}
+constinit DeclaredOnce<SolveArguments> solve_options("Layout.solve", add_solve_options, outputs_of_commands);
+constinit DeclaredOnce<SolveArguments> drive_options_of("Layout.drive", add_solve_options, outputs_of_commands);
+constinit DeclaredOnce<SolveArguments> touch_drive_options("Layout.solve_touch", add_solve_options,
+                                                           outputs_of_commands);
+constinit DeclaredOnce<setup::DriveOptionsGroup> finger_options("FingerSound", add_transfer_options, only_the_air);
+constinit DeclaredOnce<FieldArguments> field_options("Layout.field", add_field_options, nothing_to_solve);
 
 // ---- drives ---------------------------------------------------------------------------------------------------------
 
@@ -264,30 +248,32 @@ std::shared_ptr<FieldObject> field(const LayoutPtr& self, const py::object& driv
   });
 }
 
+/// A function that solves, and returns what `result` makes of the drive.
+template <typename Class, typename Result>
+void add_solver(Class& made, const char* name, DeclaredOnce<SolveArguments>& options, const char* doc,
+                const Result& result) {
+  made.def(
+      name,
+      [&options, result](const LayoutPtr& self, const py::object& foci, const py::object& gains,
+                         const py::object& finger, bool force, const py::object& nulls, const py::object& radii,
+                         const py::kwargs& kwargs) {
+        SolveArguments o = solve_arguments(options(), kwargs);
+        o.drive.nulls = asked_nulls(*self, nulls, radii);
+        return result(solve(self, foci, gains, finger, force, o), self);
+      },
+      py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
+      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(),
+      options().documented(doc).c_str());
+}
+
 void add_layout_functions(py::module_& m) {
   auto made = add_layout_class(m);
-  const std::string solve_text = solve_options().documented(solve_doc);
-  made.def(
-      "solve",
-      [](const LayoutPtr& self, const py::object& foci, const py::object& gains, const py::object& finger, bool force,
-         const py::object& nulls, const py::object& radii, const py::kwargs& kwargs) {
-        SolveArguments o = solve_arguments(solve_options(), kwargs);
-        o.drive.nulls = asked_nulls(*self, nulls, radii);
-        return solve(self, foci, gains, finger, force, o);
-      },
-      py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
-      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), solve_text.c_str());
-  const std::string drive_text = drive_options_of().documented(drive_doc);
-  made.def(
-      "drive",
-      [](const LayoutPtr& self, const py::object& foci, const py::object& gains, const py::object& finger, bool force,
-         const py::object& nulls, const py::object& radii, const py::kwargs& kwargs) {
-        SolveArguments o = solve_arguments(drive_options_of(), kwargs);
-        o.drive.nulls = asked_nulls(*self, nulls, radii);
-        return of_layout(complex_of(solve(self, foci, gains, finger, force, o)->result.drive), self);
-      },
-      py::arg("foci"), py::arg("gains") = py::none(), py::kw_only(), py::arg("finger") = py::none(),
-      py::arg("force") = false, py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), drive_text.c_str());
+  add_solver(made, "solve", solve_options, solve_doc,
+             [](const std::shared_ptr<DriveObject>& drive, const LayoutPtr&) { return drive; });
+  add_solver(made, "drive", drive_options_of, drive_doc,
+             [](const std::shared_ptr<DriveObject>& drive, const LayoutPtr& layout) {
+               return of_layout(complex_of(drive->result.drive), layout);
+             });
   const std::string touch_text = touch_drive_options().documented(solve_touch_doc);
   made.def("solve_touch", &drive_of_touch, py::arg("touch"), py::kw_only(), py::arg("slot") = py::none(),
            py::arg("nulls") = py::none(), py::arg("null_radius") = py::none(), touch_text.c_str());

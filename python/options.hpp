@@ -79,6 +79,29 @@ class Declared {
   Values usual_;
 };
 
+/// The options of one function, declared at the first call. They are never destroyed, because threads may still run
+/// when the process ends.
+template <typename Values>
+class DeclaredOnce {
+ public:
+  /// `hidden` must never be destroyed either.
+  constexpr DeclaredOnce(const char* function, void (*add)(CLI::App&, Values&),
+                         std::initializer_list<const char*> hidden = {})
+      : function_(function), add_(add), hidden_(hidden) {}
+
+  /// Needs the GIL.
+  Declared<Values>& operator()() {
+    if (!made_) made_ = new Declared<Values>(function_, add_, hidden_);
+    return *made_;
+  }
+
+ private:
+  const char* function_;
+  void (*add_)(CLI::App&, Values&);
+  std::initializer_list<const char*> hidden_;
+  Declared<Values>* made_ = nullptr;
+};
+
 /// Whether it has parts to be read one after the other: neither a text nor an array without dimensions. Take the parts
 /// as py::object: an array makes them when they are asked for.
 bool is_list(py::handle value);

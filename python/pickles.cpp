@@ -21,166 +21,71 @@
 #include "shapes.hpp"
 #include "touch_object.hpp"
 
+/// What an archive reads and writes of a TYPE: all its members. It does not compile with a member more or less.
+#define PALPA_FIELDS(TYPE, ...)                     \
+  static void fields(python::Archive& a, TYPE& o) { \
+    auto& [__VA_ARGS__] = o;                        \
+    a(__VA_ARGS__);                                 \
+  }
+
 // Found by the namespaces of their arguments.
 namespace palpa::touch {
-static void fields(python::Archive& a, Focus& o) {
-  auto& [position, points, held] = o;
-  a(position, points, held);
-}
-static void fields(python::Archive& a, Finger& o) {
-  auto& [id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward] = o;
-  a(id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward);
-}
-static void fields(python::Archive& a, Touch& o) {
-  auto& [contacts, deep, fingers, finger_count, cluster_count, dropped] = o;
-  a(contacts, deep, fingers, finger_count, cluster_count, dropped);
-}
-static void fields(python::Archive& a, Placement& o) {
-  auto& [foci, complete, together] = o;
-  a(foci, complete, together);
-}
+PALPA_FIELDS(Focus, position, points, held)
+PALPA_FIELDS(Finger, id, solid, count, contacts, section, foci, placed, point_like, depth, holds, inward)
+PALPA_FIELDS(Touch, contacts, deep, fingers, finger_count, cluster_count, dropped)
+PALPA_FIELDS(Placement, foci, complete, together)
 }  // namespace palpa::touch
 
 namespace palpa::array {
-static void fields(python::Archive& a, SlotFocus& o) {
-  auto& [position, gain, pressure, voice, number, most] = o;
-  a(position, gain, pressure, voice, number, most);
-}
-static void fields(python::Archive& a, Course& o) {
-  auto& [from, to, first, slots, texture, begin, end, gains] = o;
-  a(from, to, first, slots, texture, begin, end, gains);
-}
-static void fields(python::Archive& a, Voice& o) {
-  auto& [id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, course, pressure, target, reached] =
-      o;
-  a(id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, course, pressure, target, reached);
-}
+PALPA_FIELDS(SlotFocus, position, gain, pressure, voice, number, most)
+PALPA_FIELDS(Course, from, to, first, slots, texture, begin, end, gains)
+PALPA_FIELDS(Voice, id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, course, pressure, target,
+             reached)
 static void fields(python::Archive& a, Schedule& o) {
   auto& [slot, voices, count, time, advance, names] = o;  // a TouchObject has the names itself
   a(slot, voices, count, time, advance);
 }
-static void fields(python::Archive& a, Board& o) {
-  auto& [type, first, count, width, height, pose] = o;
-  a(type, first, count, width, height, pose);
-}
-static void fields(python::Archive& a, Layout& o) {
-  auto& [name, transducers, boards, level, frequency, radius, pose] = o;
-  a(name, transducers, boards, level, frequency, radius, pose);
-}
+PALPA_FIELDS(Board, type, first, count, width, height, pose)
+PALPA_FIELDS(Layout, name, transducers, boards, level, frequency, radius, pose)
 }  // namespace palpa::array
 
 namespace palpa::acoustics {
-static void fields(python::Archive& a, Tuned& o) {
-  auto& [ring, before, after, changed, field] = o;
-  a(ring, before, after, changed, field);
-}
-static void fields(python::Archive& a, SolveReport& o) {
-  auto& [iterations, residual] = o;
-  a(iterations, residual);
-}
-static void fields(python::Archive& a, RigidBody::Effort& o) {
-  auto& [iterates, worst] = o;
-  a(iterates, worst);
-}
-static void fields(python::Archive& a, Spectrum& o) {
-  auto& [skin, period, lines, variance, field] = o;
-  a(skin, period, lines, variance, field);
-}
-static void fields(python::Archive& a, FociPressure& o) {
-  auto& [pascals, mean, evenness] = o;
-  a(pascals, mean, evenness);
-}
-static void fields(python::Archive& a, SkinPressure& o) {
-  auto& [langevin, squared, loudest, langevin_load, squared_load, push] = o;
-  a(langevin, squared, loudest, langevin_load, squared_load, push);
-}
+PALPA_FIELDS(Tuned, ring, before, after, changed, field)
+PALPA_FIELDS(SolveReport, iterations, residual)
+PALPA_FIELDS(RigidBody::Effort, iterates, worst)
+PALPA_FIELDS(Spectrum, skin, period, lines, variance, field)
+PALPA_FIELDS(FociPressure, pascals, mean, evenness)
+PALPA_FIELDS(SkinPressure, langevin, squared, loudest, langevin_load, squared_load, push)
 }  // namespace palpa::acoustics
 
 namespace palpa::geometry {
-static void fields(python::Archive& a, Mesh& o) {
-  auto& [positions, triangles] = o;
-  a(positions, triangles);
-}
+PALPA_FIELDS(Mesh, positions, triangles)
 }  // namespace palpa::geometry
 
 namespace palpa::session {
-static void fields(python::Archive& a, Event& o) {
-  auto& [kind, time, solid, finger, depth, centroid] = o;
-  a(kind, time, solid, finger, depth, centroid);
-}
-static void fields(python::Archive& a, ReplayStats& o) {
-  auto& [frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids] = o;
-  a(frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids);
-}
-static void fields(python::Archive& a, ScheduledFinger& o) {
-  auto& [placement, perimeter, tuned] = o;
-  a(placement, perimeter, tuned);
-}
+PALPA_FIELDS(Event, kind, time, solid, finger, depth, centroid)
+PALPA_FIELDS(ReplayStats, frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids)
+PALPA_FIELDS(ScheduledFinger, placement, perimeter, tuned)
 }  // namespace palpa::session
 
 namespace palpa::setup {
-static void fields(python::Archive& a, Draws& o) {
-  auto& [count, seed] = o;
-  a(count, seed);
-}
-static void fields(python::Archive& a, Grid& o) {
-  auto& [plane, centre, size, columns, rows] = o;
-  a(plane, centre, size, columns, rows);
-}
-static void fields(python::Archive& a, SimulateSpread& o) {
-  auto& [draws, langevin, squared, force, torque] = o;
-  a(draws, langevin, squared, force, torque);
-}
-static void fields(python::Archive& a, UsedBackend& o) {
-  auto& [backend, why] = o;
-  a(backend, why);
-}
-static void fields(python::Archive& a, TouchValues& o) {
-  auto& [touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total, times] = o;
-  a(touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total, times);
-}
-static void fields(python::Archive& a, DriveSpread& o) {
-  auto& [draws, pressures, evenness, nulls] = o;
-  a(draws, pressures, evenness, nulls);
-}
-static void fields(python::Archive& a, NullReport& o) {
-  auto& [places, kept] = o;
-  a(places, kept);
-}
-static void fields(python::Archive& a, DriveResult& o) {
-  auto& [layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread] = o;
-  a(layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread);
-}
-static void fields(python::Archive& a, Places& o) {
-  auto& [points, grid, line, triangles] = o;
-  a(points, grid, line, triangles);
-}
-static void fields(python::Archive& a, FieldSpread& o) {
-  auto& [draws, peak, peak_at, amplitudes] = o;
-  a(draws, peak, peak_at, amplitudes);
-}
-static void fields(python::Archive& a, FieldResult& o) {
-  auto& [places, pressures, loudest, air, layout, foci, spread, sum, total] = o;
-  a(places, pressures, loudest, air, layout, foci, spread, sum, total);
-}
-static void fields(python::Archive& a, ScatterResult& o) {
-  auto& [body, faces, points, totals, load, effort, far, loudest, air, from_array, times] = o;
-  a(body, faces, points, totals, load, effort, far, loudest, air, from_array, times);
-}
-static void fields(python::Archive& a, SimulateResult& o) {
-  auto& [method, penetration, top, body, tip, foci, aimed, pressure, langevin, squared, load, effort, far, bare, spread,
-         fingers, touched, spectra, unreached, times] = o;
-  a(method, penetration, top, body, tip, foci, aimed, pressure, langevin, squared, load, effort, far, bare, spread,
-    fingers, touched, spectra, unreached, times);
-}
-static void fields(python::Archive& a, ExportResult& o) {
-  auto& [stats, stopped] = o;
-  a(stats, stopped);
-}
-static void fields(python::Archive& a, Figure6Touch& o) {
-  auto& [object, result] = o;
-  a(object, result);
-}
+PALPA_FIELDS(Draws, count, seed)
+PALPA_FIELDS(Grid, plane, centre, size, columns, rows)
+PALPA_FIELDS(SimulateSpread, draws, langevin, squared, force, torque)
+PALPA_FIELDS(UsedBackend, backend, why)
+PALPA_FIELDS(TouchValues, touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total,
+             times)
+PALPA_FIELDS(DriveSpread, draws, pressures, evenness, nulls)
+PALPA_FIELDS(NullReport, places, kept)
+PALPA_FIELDS(DriveResult, layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread)
+PALPA_FIELDS(Places, points, grid, line, triangles)
+PALPA_FIELDS(FieldSpread, draws, peak, peak_at, amplitudes)
+PALPA_FIELDS(FieldResult, places, pressures, loudest, air, layout, foci, spread, sum, total)
+PALPA_FIELDS(ScatterResult, body, faces, points, totals, load, effort, far, loudest, air, from_array, times)
+PALPA_FIELDS(SimulateResult, method, penetration, top, body, tip, foci, aimed, pressure, langevin, squared, load,
+             effort, far, bare, spread, fingers, touched, spectra, unreached, times)
+PALPA_FIELDS(ExportResult, stats, stopped)
+PALPA_FIELDS(Figure6Touch, object, result)
 }  // namespace palpa::setup
 
 namespace palpa::python {
@@ -205,10 +110,7 @@ static void fields(Archive& a, FieldObject& o) {
 static void fields(Archive& a, PlacesObject& o) {
   a(o.places);
 }
-static void fields(Archive& a, TouchObject& o) {
-  auto& [values, time, unreached] = o;
-  a(values, time, unreached);
-}
+PALPA_FIELDS(TouchObject, values, time, unreached)
 static void fields(Archive& a, FingerObject& o) {
   a(o.whole, o.index);
 }

@@ -36,9 +36,7 @@ PlacesObject places_of(const std::string& name, py::handle value) {
 namespace {
 
 setup::Plane plane_word(const std::string& word) {
-  for (const auto& entry : setup::plane_words) {
-    if (word == entry.word) return entry.value;
-  }
+  if (const auto plane = value_of(setup::plane_words, word)) return *plane;
   throw bad_usage(fmt::format("plane: '{}' is not one of xy, xz, yz", printable(word, 60)));
 }
 

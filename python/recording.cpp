@@ -70,10 +70,7 @@ void add_export_options(CLI::App& app, ExportArguments& o) {
 }
 constexpr std::initializer_list<const char*> not_exported = {"--scene", "--source", "--json", "--quiet", "--log-level"};
 
-Declared<ExportArguments>& export_options() {
-  static auto* const options = new Declared<ExportArguments>("export", add_export_options, not_exported);
-  return *options;
-}
+constinit DeclaredOnce<ExportArguments> export_options("export", add_export_options, not_exported);
 
 std::shared_ptr<ExportObject> export_frames(const py::object& scene, const py::object& source,
                                             const py::kwargs& kwargs) {

@@ -51,27 +51,32 @@ void add_options_of_session(CLI::App& app, SessionArguments& o) {
   setup::add_session_options(app, o.live, setup::FingerMesh::known);
   setup::add_common(app, o.live.common);
 }
-Declared<SessionArguments>& session_options() {
-  static auto* const options =
-      new Declared<SessionArguments>("Session", add_options_of_session,
-                                     {"--scene", "--frames", "--gltf-scene", "--surface", "--parts", "--internal-faces",
-                                      "--null", "--json", "--quiet", "--log-level"});
-  return *options;
+constexpr std::initializer_list<const char*> not_of_sessions = {
+    "--scene",          "--frames", "--gltf-scene", "--surface", "--parts",
+    "--internal-faces", "--null",   "--json",       "--quiet",   "--log-level"};
+constinit DeclaredOnce<SessionArguments> session_options("Session", add_options_of_session, not_of_sessions);
+
+void refuse_given(std::initializer_list<std::pair<const char*, bool>> given, const char* with) {
+  for (const auto& [name, is_given] : given) {
+    if (is_given) throw bad_usage(fmt::format("{} goes with {}", name, with));
+  }
 }
 
 /// Options that have no effect frame by frame.
 void refuse_live_options(const setup::LiveOptions& o) {
   const setup::LiveOptions usual;
-  const std::pair<const char*, bool> given[]{{"link", o.link != usual.link},    {"every_frame", o.every_frame},
-                                             {"record", !o.record.empty()},     {"overwrite", o.overwrite},
-                                             {"osc", !o.osc.empty()},           {"noise_free", o.noise_free},
-                                             {"events", !o.events.empty()},     {"board_files", !o.board_files.empty()},
-                                             {"hold='auto'", o.hold_auto},      {"ramp", o.safety.ramp_s != 0},
-                                             {"ceiling", o.safety.ceiling != 1}};
-  for (const auto& [name, is_given] : given) {
-    if (is_given)
-      throw bad_usage(fmt::format("{} goes with source: without one, a session works frame by frame", name));
-  }
+  refuse_given({{"link", o.link != usual.link},
+                {"every_frame", o.every_frame},
+                {"record", !o.record.empty()},
+                {"overwrite", o.overwrite},
+                {"osc", !o.osc.empty()},
+                {"noise_free", o.noise_free},
+                {"events", !o.events.empty()},
+                {"board_files", !o.board_files.empty()},
+                {"hold='auto'", o.hold_auto},
+                {"ramp", o.safety.ramp_s != 0},
+                {"ceiling", o.safety.ceiling != 1}},
+               "source: without one, a session works frame by frame");
 }
 
 // ---- events ---------------------------------------------------------------------------------------------------------
@@ -102,13 +107,11 @@ void add_event(py::module_& m) {
 /// Options that have no effect on frames of points.
 void refuse_camera_options(const setup::LiveOptions& o) {
   setup::refuse_finger_width(o.touch, "depth images");
-  const std::pair<const char*, bool> given[]{{"every_frame", o.every_frame},
-                                             {"record", !o.record.empty()},
-                                             {"events", !o.events.empty()},
-                                             {"hold='auto'", o.hold_auto}};
-  for (const auto& [name, is_given] : given) {
-    if (is_given) throw bad_usage(fmt::format("{} goes with a source of depth frames, not with points", name));
-  }
+  refuse_given({{"every_frame", o.every_frame},
+                {"record", !o.record.empty()},
+                {"events", !o.events.empty()},
+                {"hold='auto'", o.hold_auto}},
+               "a source of depth frames, not with points");
 }
 
 void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras) {
@@ -222,12 +225,9 @@ py::object drives_of(SessionObject& o) {
   const std::size_t transducers = session.setting().layout.transducers.size();
   const session::Plan& plan = session.plan();
   if (transducers == 0 || !plan.cycle.is_listed()) return py::none();
-  py::array_t<std::complex<double>> drives(
-      {static_cast<py::ssize_t>(plan.cycle.length), static_cast<py::ssize_t>(transducers)});
-  std::complex<double>* to = drives.mutable_data();
-  for (const auto [amplitude, phase] : std::span(plan.drives).first(std::size_t{plan.cycle.length} * transducers))
-    *to++ = std::polar(double{amplitude}, double{phase});
-  return of_layout(sealed(std::move(drives)), o.array);
+  return of_layout(complex_of(std::span(plan.drives).first(std::size_t{plan.cycle.length} * transducers),
+                              {static_cast<py::ssize_t>(plan.cycle.length), static_cast<py::ssize_t>(transducers)}),
+                   o.array);
 }
 
 // ---- classes --------------------------------------------------------------------------------------------------------

@@ -117,10 +117,7 @@ void add_scene_options(CLI::App& app, SceneOptions& o) {
   setup::add_allow_outside(group, o.common);
 }
 
-Declared<SceneOptions>& scene_options() {
-  static auto* const options = new Declared<SceneOptions>("Scene", add_scene_options);
-  return *options;
-}
+constinit DeclaredOnce<SceneOptions> scene_options("Scene", add_scene_options);
 
 /// A mesh, or several with the names of their solids. `kept`: copies of the same.
 geometry::Scene scene_of_arrays(const py::object& given, py::dict& kept) {
@@ -251,9 +248,7 @@ BadUsage
   m.def(
       "read_ply",
       [](const py::object& file) {
-        const std::optional<std::string> path = path_of(file);
-        if (!path) throw bad_usage("read_ply: give the path of a PLY file");
-        const geometry::Ply ply = unlocked([&] { return geometry::read_ply(*path); });
+        const geometry::Ply ply = unlocked([path = file_of("file", file)] { return geometry::read_ply(path); });
         py::array_t<double> points({static_cast<py::ssize_t>(ply.positions.size()), py::ssize_t{3}});
         for (std::size_t i = 0; i < ply.positions.size(); ++i) {
           for (int axis = 0; axis < 3; ++axis)
@@ -279,12 +274,11 @@ BadInput
   m.def(
       "write_ply",
       [](const py::object& file, const py::object& points, const py::object& faces) {
-        const std::optional<std::string> path = path_of(file);
-        if (!path) throw bad_usage("write_ply: give the path of a PLY file");
+        const std::string path = file_of("file", file);
         const std::vector<Vec3> positions = points_of("points", points);
         const std::vector<glm::uvec3> triangles =
             faces.is_none() ? std::vector<glm::uvec3>() : triangles_of("faces", faces, positions.size());
-        unlocked([&] { geometry::write_ply(*path, positions, triangles, geometry::PlyFormat::ascii); });
+        unlocked([&] { geometry::write_ply(path, positions, triangles, geometry::PlyFormat::ascii); });
       },
       py::arg("file"), py::arg("points"), py::arg("faces") = py::none(),
       R"(Write points, and triangles if there are any, as a PLY file whose numbers read back to the same values.

@@ -53,7 +53,7 @@ py::object spread_of(const FieldObject& o) {
   made["draws"] = spread.draws.count;
   made["seed"] = spread.draws.seed;
   made["peak"] = range_of(spread.peak_pa);
-  made["peak_at"] = py::make_tuple(range_of(spread.peak_m[0]), range_of(spread.peak_m[1]), range_of(spread.peak_m[2]));
+  made["peak_at"] = range_of(spread.peak_m);
   py::array_t<double> amplitudes({static_cast<py::ssize_t>(spread.amplitudes.size()), py::ssize_t{3}});
   double* to = amplitudes.mutable_data();
   for (const setup::Percentiles& p : spread.amplitudes) {
@@ -233,10 +233,8 @@ void add_played_options(CLI::App& app, PlayedArguments& o) {
   setup::add_drive_options(app, o.task.drive);
 }
 
-Declared<PlayedArguments>& played_options() {
-  static auto* const options = new Declared<PlayedArguments>("export_played", add_played_options, {"--pressure"});
-  return *options;
-}
+constexpr std::initializer_list<const char*> not_played = {"--pressure"};
+constinit DeclaredOnce<PlayedArguments> played_options("export_played", add_played_options, not_played);
 
 std::string export_played(const py::object& played, const py::object& drives, const py::kwargs& kwargs) {
   refuse_fork();

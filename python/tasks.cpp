@@ -50,10 +50,7 @@ void add_decompose_options(CLI::App& app, DecomposeArguments& o) {
   group.integer("--seed", o.common.seed, 0, ~std::uint64_t{0}, "the start of all random numbers");
 }
 
-Declared<DecomposeArguments>& decompose_options() {
-  static auto* const options = new Declared<DecomposeArguments>("decompose", add_decompose_options);
-  return *options;
-}
+constinit DeclaredOnce<DecomposeArguments> decompose_options("decompose", add_decompose_options);
 
 std::shared_ptr<PartsObject> decompose(const py::object& scene, const py::kwargs& kwargs) {
   refuse_fork();
@@ -145,10 +142,7 @@ void add_calibrate_options(CLI::App& app, CalibrateArguments& o) {
   setup::add_rig_options(app, o.task.rig);
 }
 
-Declared<CalibrateArguments>& calibrate_options() {
-  static auto* const options = new Declared<CalibrateArguments>("calibrate", add_calibrate_options);
-  return *options;
-}
+constinit DeclaredOnce<CalibrateArguments> calibrate_options("calibrate", add_calibrate_options);
 
 std::shared_ptr<CalibrationObject> calibrate(const py::kwargs& kwargs) {
   refuse_fork();
@@ -180,10 +174,7 @@ void add_target_options(CLI::App& app, TargetArguments& o) {
   setup::add_rig_options(app, o.rig);
 }
 
-Declared<TargetArguments>& target_options() {
-  static auto* const options = new Declared<TargetArguments>("write_target", add_target_options);
-  return *options;
-}
+constinit DeclaredOnce<TargetArguments> target_options("write_target", add_target_options);
 
 void write_target(const py::object& file, const py::kwargs& kwargs) {
   refuse_fork();
@@ -193,10 +184,7 @@ void write_target(const py::object& file, const py::kwargs& kwargs) {
   unlocked([&] { setup::write_target(path, o.place, setup::load_placed_layout(o.rig)); });
 }
 
-Declared<setup::RigOptions>& nudged_options() {
-  static auto* const options = new Declared<setup::RigOptions>("write_nudged_rig", setup::add_rig_options);
-  return *options;
-}
+constinit DeclaredOnce<setup::RigOptions> nudged_options("write_nudged_rig", setup::add_rig_options);
 
 void write_nudged_rig(const py::object& file, const py::object& offset, const py::kwargs& kwargs) {
   refuse_fork();
@@ -221,10 +209,7 @@ void add_background_options(CLI::App& app, BackgroundArguments& o) {
   setup::add_rig_options(app, o.task.rig);
 }
 
-Declared<BackgroundArguments>& background_options() {
-  static auto* const options = new Declared<BackgroundArguments>("learn_background", add_background_options);
-  return *options;
-}
+constinit DeclaredOnce<BackgroundArguments> background_options("learn_background", add_background_options);
 
 std::shared_ptr<BackgroundObject> learn_background(const py::object& out, const py::kwargs& kwargs) {
   refuse_fork();

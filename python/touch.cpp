@@ -38,15 +38,10 @@ struct TouchArguments {
   setup::TouchInputOptions input;
 };
 void add_touch_options_of(CLI::App& app, TouchArguments& o) {
-  setup::add_touch_options(app, o.task.touch);
-  setup::add_felt_options(app, o.task.felt);
-  setup::add_array_options(app, o.task.array);
+  setup::add_task_options(app, o.task);
   setup::add_common(app, o.common);
 }
-Declared<TouchArguments>& touch_options() {
-  static auto* const options = new Declared<TouchArguments>("Scene.touch", add_touch_options_of, outputs_of_commands);
-  return *options;
-}
+constinit DeclaredOnce<TouchArguments> touch_options("Scene.touch", add_touch_options_of, outputs_of_commands);
 
 bool is_text_or_path(py::handle value) {
   return path_of(value).has_value();
@@ -391,9 +386,7 @@ void add_touch_class(py::module_& m) {
       .def_property_readonly(
           "timing",
           [](const TouchObject& o) {
-            py::dict times;
-            for (const auto& [step, ms] : o.values.times)
-              times[step.c_str()] = ms * 1e-3;
+            py::dict times = seconds_of(o.values.times);
             times["total"] = o.values.total_ms * 1e-3;
             return times;
           },

@@ -82,11 +82,8 @@ void add_transfer_options(CLI::App& app, setup::DriveOptionsGroup& o) {
 
 namespace {
 
-Declared<setup::DriveOptionsGroup>& transfer_options() {
-  static auto* const options =
-      new Declared<setup::DriveOptionsGroup>("Layout.transfer", add_transfer_options, only_the_air);
-  return *options;
-}
+constinit DeclaredOnce<setup::DriveOptionsGroup> transfer_options("Layout.transfer", add_transfer_options,
+                                                                  only_the_air);
 
 py::array transfer(const std::shared_ptr<LayoutObject>& self, const py::object& points, const py::kwargs& kwargs) {
   refuse_fork();

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
@@ -18,39 +18,18 @@ namespace palpa::assets {
 namespace {
 
 // The rows of three numbers that follow `name`.
-std::vector<std::array<double, 3>> read_rows(const std::string& file, std::string_view text, std::string_view name) {
-  const auto fail = [&] {
-    return bad_input(file, std::string("has no array ") + std::string(name) + "[[a,b,c],...] of rows of three numbers");
-  };
-  std::size_t at = text.find(name);
-  if (at == std::string_view::npos) throw fail();
-  at += name.size();
-  const auto skip_space = [&] { at = std::min(text.find_first_not_of(" \t\r\n", at), text.size()); };
-  const auto take = [&](char c) {
-    skip_space();
-    if (at < text.size() && text[at] == c) {
-      ++at;
-      return true;
-    }
-    return false;
-  };
-  std::vector<std::array<double, 3>> rows;
-  if (!take('[')) throw fail();
-  do {
-    std::array<double, 3> row{};
-    if (!take('[')) throw fail();
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (i > 0 && !take(',')) throw fail();
-      skip_space();
-      const auto [rest, fault] = std::from_chars(text.data() + at, text.data() + text.size(), row[i]);
-      if (fault != std::errc{}) throw fail();
-      at = static_cast<std::size_t>(rest - text.data());
-    }
-    if (!take(']')) throw fail();
-    rows.push_back(row);
-  } while (take(','));
-  if (!take(']')) throw fail();
-  return rows;
+std::vector<std::array<double, 3>> read_rows(const std::string& file, const std::string& text,
+                                             const std::string& name) {
+  const std::size_t at = text.find(name);
+  nlohmann::json rows;
+  try {
+    if (at != std::string::npos) std::istringstream(text.substr(at + name.size())) >> rows;  // reads one value
+    if (!rows.empty() &&
+        std::all_of(rows.begin(), rows.end(), [](const nlohmann::json& row) { return row.size() == 3; }))
+      return rows.get<std::vector<std::array<double, 3>>>();
+  } catch (const nlohmann::json::exception&) {
+  }
+  throw bad_input(file, "has no array " + name + "[[a,b,c],...] of rows of three numbers");
 }
 
 // Metres along the ray to the triangle (Moeller and Trumbore), if it meets it from outside.

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -38,11 +37,6 @@ struct HandPose {
 
 /// "spread", "point", "relaxed" or "fist".
 std::optional<HandPose> named_hand_pose(std::string_view name);
-
-/// A pose from TOML: tables `thumb` (keys cmc, mcp, ip, abduction) and `index`, `middle`, `ring`, `little` (mcp, pip,
-/// dip, abduction), in radians. Absent keys are zero. Throws bad_input if it is not TOML or has unknown keys, flexion
-/// outside -0.5..2 or abduction outside -0.7..0.9.
-HandPose read_hand_pose(const std::filesystem::path& file);
 
 struct Fingertip {
   Vec3 position;   ///< on the skin, at the end of the last bone

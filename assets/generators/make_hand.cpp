@@ -1,5 +1,4 @@
-// make_hand --pose spread|point|relaxed|fist|FILE.toml -o OUT.glb: writes the hand in that pose
-// (assets/generators/hand.hpp).
+// make_hand --pose spread|point|relaxed|fist -o OUT.glb: writes the hand in that pose (assets/generators/hand.hpp).
 #include <cstring>
 #include <string>
 
@@ -19,12 +18,10 @@ int main(int argc, char** argv) {
       else
         understood = false;
     }
-    if (!understood || pose_name.empty() || out.empty())
-      throw palpa::bad_usage("usage: " + std::string(argv[0]) +
-                             " --pose spread|point|relaxed|fist|FILE.toml -o OUT.glb");
-    const auto named = palpa::assets::named_hand_pose(pose_name);
-    const palpa::assets::HandPose pose = named ? *named : palpa::assets::read_hand_pose(pose_name);
-    const palpa::geometry::SceneMesh hand{"hand", palpa::assets::make_hand(pose)};
+    const auto pose = palpa::assets::named_hand_pose(pose_name);
+    if (!understood || !pose || out.empty())
+      throw palpa::bad_usage("usage: " + std::string(argv[0]) + " --pose spread|point|relaxed|fist -o OUT.glb");
+    const palpa::geometry::SceneMesh hand{"hand", palpa::assets::make_hand(*pose)};
     palpa::geometry::write_glb(out, {&hand, 1});
   });
 }

@@ -60,6 +60,15 @@ std::size_t utf8_length(std::string_view text) {
   return length;
 }
 
+std::string utf8(std::uint32_t code) {
+  const auto byte = [](std::uint32_t value) { return static_cast<char>(value); };
+  if (code < 0x80) return {byte(code)};
+  if (code < 0x800) return {byte(0xc0 | code >> 6), byte(0x80 | (code & 63))};
+  if (code < 0x10000) return {byte(0xe0 | code >> 12), byte(0x80 | (code >> 6 & 63)), byte(0x80 | (code & 63))};
+  return {byte(0xf0 | code >> 18), byte(0x80 | (code >> 12 & 63)), byte(0x80 | (code >> 6 & 63)),
+          byte(0x80 | (code & 63))};
+}
+
 std::uint64_t line_that_is_not_utf8(std::string_view text) {
   std::uint64_t line = 1;
   while (!text.empty()) {

@@ -11,6 +11,8 @@ namespace palpa {
 
 /// Length of the well-formed UTF-8 character at the front of `text`, 0 if there is none.
 std::size_t utf8_length(std::string_view text);
+/// The character with this code point.
+std::string utf8(std::uint32_t code);
 /// The first line, from 1, with bytes that are not UTF-8; 0 if there is none.
 std::uint64_t line_that_is_not_utf8(std::string_view text);
 

@@ -27,8 +27,6 @@
 namespace palpa::cli {
 namespace {
 
-constexpr Word<setup::Skin> skin_words[] = {{"vertices", setup::Skin::vertices}, {"cameras", setup::Skin::cameras}};
-
 void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   const line::Group group(app, "What touches what");
   setup::add_scene(group, o.scene, o.gltf_scene);
@@ -37,7 +35,7 @@ void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   group.quantity("--penetration", o.task.penetration_m, Quantity::length,
                  {-setup::most_penetration_m, setup::most_penetration_m},
                  "how far the finger's lowest point is below the solids' top");
-  group.choice("--skin", o.task.skin, skin_words,
+  group.choice("--skin", o.task.skin, setup::skin_words,
                "which skin touches, the mesh's vertices or what the rig's cameras would see of the mesh");
   group.flag("--noise-free", o.task.noise_free, "with --skin cameras: cameras without the sensor's noise");
   group.flag("--figure6", o.figure6,
@@ -48,12 +46,7 @@ void add_options_of_simulate(CLI::App& app, SimulateCommand& o) {
   results.text("--vtu", o.vtu, "FILE", "writes the same on the finger, for ParaView");
   results.text("--png", o.png, "FILE", "draws the finger from below, with its foci and its pressure");
   setup::add_solid_options(app, o.solids);
-  setup::add_touch_options(app, o.task.touch);
-  setup::add_felt_options(app, o.task.in_time);
-  setup::add_rig_options(app, o.task.rig);
-  setup::add_drive_options(app, o.task.drive, setup::FingerMesh::known);
-  setup::add_air_options(app, o.task.air);
-  setup::add_spread_options(app, o.task.spread);
+  setup::add_task_options(app, o.task);
   line::exclude(app, "--figure6",
                 {"--scene", "--gltf-scene", "--method", "--csv", "--vtu", "--spread", "--surface", "--parts",
                  "--internal-faces"});

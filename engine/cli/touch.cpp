@@ -36,9 +36,7 @@ void add_options_of_touch(CLI::App& app, TouchCommand& o) {
   const line::Group group(app, "What touches what");
   setup::add_allow_outside(group, o.common);
   group.text("--csv", o.csv, "FILE|-", "writes the contacts: index,x,y,z,depth,finger,solid");
-  setup::add_touch_options(app, o.task.touch);
-  setup::add_felt_options(app, o.task.felt);
-  setup::add_array_options(app, o.task.array);
+  setup::add_task_options(app, o.task);
 }
 
 std::string order_line(const array::Voice& voice) {

@@ -3,9 +3,11 @@
 
 #include <volk.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "gpu/device.hpp"
 #include "gpu/handle.hpp"
@@ -60,6 +62,16 @@ class Upload {
     return {reinterpret_cast<T*>(mapped_), static_cast<std::size_t>(ref().size / sizeof(T))};
   }
   BufferRef ref() const { return device_ ? device_.ref() : host_.ref(); }
+  /// Writes these values from the beginning on. A buffer that is too small is replaced by a larger one. Returns their
+  /// number of bytes.
+  template <typename T>
+  VkDeviceSize fill(const Device& device, const std::vector<T>& values, const char* name) {
+    const VkDeviceSize bytes = values.size() * sizeof(T);
+    if (data() == nullptr || ref().size < bytes)
+      *this = Upload(device, std::max<VkDeviceSize>(bytes + bytes / 2, 4096), name);
+    if (bytes != 0) std::memcpy(data(), values.data(), bytes);
+    return bytes;
+  }
   /// Call after the host has written: copies the first `bytes` and makes them visible to later compute, indirect,
   /// vertex and transfer reads. Records nothing if memory is unified, because a submit makes host writes visible.
   void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;

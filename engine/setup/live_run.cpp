@@ -67,13 +67,14 @@ void add_link_options(const line::Group& group, LiveOptions& o) {
              [](const std::string& text) { session::parse_osc_address(text); });
 }
 
-void add_reload_option(const line::Group& group, LiveOptions& o) {
+void add_run_options(CLI::App& app, RunOptions& o, const char* frames) {
+  const line::Group group(app, "What to run");
+  add_frame_options(group, o, frames);
+  add_link_options(group, o);
   group.flag("--reload", o.reload, "reads the scene again whenever its file is saved, and goes on with it");
-}
-
-void add_stats_option(const line::Group& group, StatsFormat& stats) {
-  group.choice("--stats", stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
+  group.choice("--stats", o.stats, {{"none", StatsFormat::none}, {"json", StatsFormat::json}},
                "prints the measurements of the loop on stdout; --json writes the same into a file");
+  add_session_options(app, o, FingerMesh::known);
 }
 
 std::vector<Output> outputs_of(const LiveOptions& o, std::span<const session::LinkKind> links) {

@@ -39,13 +39,16 @@ void check(const LiveOptions& options);
 
 /// The report on stdout at the end of a run, beside --json.
 enum class StatsFormat { none, json };
-void add_stats_option(const line::Group& group, StatsFormat& stats);
-
-/// Adds --reload.
-void add_reload_option(const line::Group& group, LiveOptions& options);
 
 /// Adds the options for the link, for other outputs of the frames, and for messages.
 void add_link_options(const line::Group& group, LiveOptions& options);
+
+/// The options of `palpa run`.
+struct RunOptions : LiveOptions {
+  StatsFormat stats = StatsFormat::none;
+};
+/// Adds them without the common ones. `frames`: the help text of --frames.
+void add_run_options(CLI::App& app, RunOptions& options, const char* frames);
 
 /// All files that such a run writes; `links` are all known links.
 std::vector<Output> outputs_of(const LiveOptions& options, std::span<const session::LinkKind> links);

@@ -1,4 +1,3 @@
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <string>
@@ -10,7 +9,6 @@
 #include "shape_checks.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
-#include "support/thrown.hpp"
 
 namespace palpa::assets {
 namespace {
@@ -138,47 +136,6 @@ TEST(Hand, StaysWholeInBetweenPoses) {
     mix(between.fingers[i].abduction, fist.fingers[i].abduction);
   }
   expect_skin(make_hand(between));
-}
-
-class PoseFile : public ::testing::Test {
- protected:
-  std::filesystem::path file_ = test::scratch_folder("hand") / "pose.toml";
-  HandPose read(const std::string& text) {
-    std::ofstream(file_) << text;
-    return read_hand_pose(file_);
-  }
-  std::string fault_of(const std::string& text) {
-    const std::string line = test::error_of([&] { read(text); }), begin = file_.string() + ": ";
-    EXPECT_TRUE(line.empty() || line.starts_with(begin)) << line;
-    return line.empty() ? "" : line.substr(begin.size());
-  }
-};
-
-TEST_F(PoseFile, GivesTheNamedAnglesAndZeroElsewhere) {
-  const HandPose read_pose =
-      read("[thumb]\ncmc = 0.25\nabduction = -0.5\n[ring]\nmcp = 1\npip = 1.5\n[little]\nabduction = 0.3");
-  EXPECT_EQ(read_pose.thumb.cmc, 0.25);
-  EXPECT_EQ(read_pose.thumb.abduction, -0.5);
-  EXPECT_EQ(read_pose.thumb.ip, 0.0);
-  EXPECT_EQ(read_pose.fingers[2].mcp, 1.0);
-  EXPECT_EQ(read_pose.fingers[2].pip, 1.5);
-  EXPECT_EQ(read_pose.fingers[3].abduction, 0.3);
-  EXPECT_EQ(read_pose.fingers[0].mcp, 0.0);
-}
-
-TEST_F(PoseFile, RefusesWhatIsNoPose) {
-  EXPECT_EQ(fault_of("[index]\nmcp = 2.5"), "line 2: mcp is 2.5, expected -0.5 to 2");
-  EXPECT_EQ(fault_of("[index]\nabduction = nan"), "line 2: abduction is nan, expected -0.7 to 0.9");
-  EXPECT_EQ(fault_of("[index]\nmcp = \"1\""), "line 2: mcp must be a number");
-  EXPECT_EQ(fault_of("[thumb]\npip = 0.1"), "line 2: unknown key pip in [thumb]; known: cmc, mcp, ip, abduction");
-  EXPECT_EQ(fault_of("thumb = 1"), "line 1: thumb must be a table: [thumb]");
-  EXPECT_EQ(fault_of("[pinky]\nmcp = 0"),
-            "is not a hand's pose: it has none of the keys thumb, index, middle, ring, little");
-  EXPECT_EQ(fault_of("[thumb]\n[pinky]\nmcp = 0"),
-            "line 2: unknown key pinky in a hand's pose; known: thumb, index, middle, ring, little");
-  EXPECT_NE(fault_of("[index"), "");
-  std::filesystem::remove(file_);
-  EXPECT_REFUSED(read_hand_pose(file_), file_.string() + ": no such file");
 }
 
 }  // namespace

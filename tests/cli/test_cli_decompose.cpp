@@ -9,6 +9,7 @@
 
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/report.hpp"
 #include "cli/support/told.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
@@ -48,13 +49,8 @@ class DecomposeConvex : public testing::Test {
     geometry::write_ply(file("points.ply"), all);
     return file("points.ply");
   }
-  static json json_of(const std::vector<std::string>& line) {
-    const Result result = palpa_here(with(line, {"--json", "-"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result.exit_code == 0 ? json::parse(result.out) : json();
-  }
   static json contacts(const std::vector<std::string>& arguments) {
-    return json_of(with({"touch", "--backend", "cpu"}, arguments))["contacts"];
+    return report_of(with({"touch", "--backend", "cpu"}, arguments))["contacts"];
   }
 
   const std::filesystem::path folder_ = scratch_folder("decompose");

@@ -14,6 +14,7 @@
 #include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/report.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -26,7 +27,7 @@ using nlohmann::json;
 constexpr double pi = std::numbers::pi;
 
 json report(const std::vector<std::string>& more) {
-  return touch_report(cube_touch(more));
+  return report_of(cube_touch(more));
 }
 
 std::vector<std::string> keys(const json& object) {

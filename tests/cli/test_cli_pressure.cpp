@@ -22,6 +22,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/record_still.hpp"
+#include "cli/support/report.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
@@ -60,12 +61,12 @@ double alone_pa(const array::Layout& layout, const Vec3& focus) {
 }
 
 TEST(CliPressure, ATouchTellsWhatAnArrayGivesAtItsFociAndNoneOfAnEmptySector) {
-  EXPECT_FALSE(touch_report(cube_touch({}))["fingers"][0].contains("pressure_pa"));
+  EXPECT_FALSE(report_of(cube_touch({}))["fingers"][0].contains("pressure_pa"));
   const array::Layout layout = posed("openmpd");
   // A pyramid's point in a fingertip: half of the narrow sectors have no contacts.
-  const json touched = touch_report({"touch", "--scene", asset_file("pyramid.glb"), "--points",
-                                     asset_file("finger.ply"), "--penetration", "3mm", "--backend", "cpu", "--layout",
-                                     "openmpd", "--foci", "40", "--min-points", "1"});
+  const json touched =
+      report_of({"touch", "--scene", asset_file("pyramid.glb"), "--points", asset_file("finger.ply"), "--penetration",
+                 "3mm", "--backend", "cpu", "--layout", "openmpd", "--foci", "40", "--min-points", "1"});
   ASSERT_EQ(touched["fingers"].size(), 1u);
   const json &foci = touched["fingers"][0]["foci_m"], &pressures = touched["fingers"][0]["pressures_pa"];
   ASSERT_EQ(pressures.size(), 40u);
@@ -271,8 +272,7 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
   const std::string file = folder / "touch.json", scene = two_boxes({}, asks),
                     points = fingers_at(folder / "fingers.ply", {left_tip, right_tip});
   const auto touch_of = [&](const std::vector<std::string>& more) {
-    const json touch =
-        touch_report(with({"touch", "--scene", scene, "--points", points, "--backend", GetParam()}, more));
+    const json touch = report_of(with({"touch", "--scene", scene, "--points", points, "--backend", GetParam()}, more));
     write_text(file, touch.dump());
     return touch["fingers"];
   };
@@ -303,7 +303,7 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
 }
 
 TEST(CliPressure, ATouchHasItAndWhoAsksForNextToNothingLacksNothing) {
-  const json touched = touch_report(cube_touch({"--layout", "openmpd", "--pressure", "1.5kPa"}));
+  const json touched = report_of(cube_touch({"--layout", "openmpd", "--pressure", "1.5kPa"}));
   for (const json& pressure : touched["fingers"][0]["pressures_pa"])
     EXPECT_NEAR(pressure, 1500, 15);
   EXPECT_EQ(palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,150mm,1e-30", "--pressure", "2kPa", "--backend",
@@ -351,7 +351,7 @@ TEST_F(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
   own.dwell_s = 0.002;
   own.intensity = 0.7;
   for (const char* backend : {"gpu", "cpu"}) {
-    const json touch = touch_report(touch_with(own, backend));
+    const json touch = report_of(touch_with(own, backend));
     ASSERT_EQ(touch["fingers"].size(), 2U);
     EXPECT_EQ(touch["schedule"]["order"], (json{0, 3, 6, 9, 2, 5, 8, 1, 4, 7}));
     const json &button = touch["fingers"][0], &knob = touch["fingers"][1];
@@ -377,7 +377,7 @@ TEST_F(CliHaptics, AFingerCarriesTheScheduleItsSolidAsksFor) {
 TEST_F(CliHaptics, StiffnessIsTheGainOfATouch) {
   geometry::Haptics soft;
   soft.stiffness = std::vector<geometry::DepthForce>{{0, 0}, {0.004, 1}};
-  const json touch = touch_report(touch_with(soft));
+  const json touch = report_of(touch_with(soft));
   EXPECT_NEAR(touch["fingers"][1]["gain"].get<double>(), 0.5, 0.01) << "1 mm of 4 mm: a quarter";
 }
 
@@ -415,7 +415,7 @@ TEST_F(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
   expect_failure(palpa_here(with(touch, stride)), 4, fault);
   expect_failure(palpa_here(with({"run", "--scene", scene_, "--frames", "3"}, stride)), 4, fault);
   EXPECT_EQ(palpa_here(with(touch, {"--stride", "7"})).exit_code, 0);
-  EXPECT_EQ(touch_report(touch)["fingers"][1]["schedule"]["order"], (json{0, 2, 4, 6, 8, 1, 3, 5, 7}));
+  EXPECT_EQ(report_of(touch)["fingers"][1]["schedule"]["order"], (json{0, 2, 4, 6, 8, 1, 3, 5, 7}));
 }
 
 }  // namespace

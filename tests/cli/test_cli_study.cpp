@@ -14,6 +14,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
+#include "cli/support/report.hpp"
 #include "cli/support/tiny_files.hpp"
 #include "cli/support/told.hpp"
 #include "support/exhaustive.hpp"
@@ -36,11 +37,6 @@ class CliStudy : public testing::Test {
   const std::filesystem::path folder_ = scratch_folder("study");
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  static json result_of(const std::vector<std::string>& line) {
-    const Result result = palpa_here(with(line, {"--json", "-"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    return result.exit_code == 0 ? json::parse(result.out) : json();
-  }
   /// A plan of two shapes and a method, plan.toml; `rest` is the end of the method and what follows.
   void write_plan(const std::string& ball, const std::string& rest) const {
     write_text(folder_ / "plan.toml",
@@ -58,7 +54,7 @@ TEST_F(CliStudy, AnalysesThePapersTables) {
 TEST_F(CliStudy, AnalysesTenParticipantsWithTheSameBytesForTheSameSeed) {
   write_ten(folder_ / "ten");
   const auto reports = [&] {
-    const json numbers = result_of(
+    const json numbers = report_of(
         {"study", "analyse", path("ten"), "--seed", "7", "--html", path("ten.html"), "--csv", path("ten.csv")});
     EXPECT_EQ(numbers["pairs"][0]["wilcoxon"]["p_two_sided"], 2.0 / 1024);
     EXPECT_EQ(numbers["methods"][0]["mean_accuracy"], 0.39);
@@ -79,14 +75,14 @@ TEST_F(CliStudy, WarnsOfWhatIsLeftOut) {
   expect_warned({"study", "analyse", folder_},
                 {{{"--quiet"}, ""},
                  {{}, "_events.tsv: line 44: the line has no end: the file is cut off here; the row is left out"}});
-  EXPECT_EQ(result_of({"study", "analyse", folder_})["left_out"].size(), 1u);
+  EXPECT_EQ(report_of({"study", "analyse", folder_})["left_out"].size(), 1u);
 }
 
 TEST_F(CliStudy, ComparesAnythingWithAnything) {
   write_text(folder_ / "single.csv", single);
   write_ten(folder_ / "mine");
   ASSERT_EQ(palpa_here({"study", "analyse", path("mine"), "--json", path("mine.json"), "--quiet"}).exit_code, 0);
-  const json result = result_of({"study", "compare", "paper", path("single.csv"), path("mine"), path("mine.json")});
+  const json result = report_of({"study", "compare", "paper", path("single.csv"), path("mine"), path("mine.json")});
   ASSERT_EQ(result["tables"].size(), 7u);
   EXPECT_EQ(result["tables"][0]["accuracy"], 0.39);
   EXPECT_EQ(result["tables"][1]["accuracy"], 0.6525);
@@ -114,8 +110,8 @@ TEST_F(CliStudy, ReportsReplaceNoFileOfAParticipant) {
 TEST_F(CliStudy, ListsAParticipantsSteps) {
   const std::string paper = source_file("assets/studies/paper.toml");
   const OwnCache cache(folder_ / "cache");
-  const json first = result_of({"study", "plan", paper, "--csv", path("order.csv")}),
-             sixth = result_of({"study", "plan", paper, "--participant", "6"});
+  const json first = report_of({"study", "plan", paper, "--csv", path("order.csv")}),
+             sixth = report_of({"study", "plan", paper, "--participant", "6"});
   EXPECT_EQ(first["steps"].size(), 92u);
   EXPECT_EQ(first["steps"][0]["method"], "single-focus");
   EXPECT_EQ(sixth["steps"][0]["method"], "cross-section");
@@ -132,12 +128,12 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   const std::vector<std::string> line{"study", "level", path("plan.toml")};
   const std::string limit = "layout = \"openmpd\"\n[level]\nceiling = 0.05\nlimit_db = ", at_120_db = limit + "120\n";
   write_plan("palpa:semi-sphere.glb", at_120_db);
-  const json predicted = result_of(line);
+  const json predicted = report_of(line);
   EXPECT_EQ(predicted["level_db"], std::max(predicted["left_db"], predicted["right_db"]));
   EXPECT_GT(predicted["bound_db"], predicted["level_db"]);
   EXPECT_FALSE(predicted.contains("measured_db"));
   write_plan("palpa:semi-sphere.glb", at_120_db + "measured_db = 98\nmeasured_ceiling = 0.025\n");
-  const json measured = result_of(line);
+  const json measured = report_of(line);
   EXPECT_NEAR(measured["level_db"].get<double>(), 98 + 20 * std::log10(2.0), 1e-9);
   EXPECT_EQ(measured["left_db"], predicted["left_db"]);
   EXPECT_CONTAINS(palpa_here(line).out, "measured: 98.0 dB at the ceiling 0.025, so 104.0 dB at 0.05; this counts");
@@ -159,7 +155,7 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
                   "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"translation\":" + at + keys + "}");
     write_text(folder_ / "model.gltf", model);
     write_plan("model.gltf", at_120_db);
-    return result_of(line)["level_db"].get<double>();
+    return report_of(line)["level_db"].get<double>();
   };
   const std::string in_cube = "[0,-0.02,0]";
   EXPECT_NEAR(with_node("", in_cube), predicted["level_db"].get<double>(), 1e-9);
@@ -196,7 +192,7 @@ TEST_F(CliStudy, APlansFilesAreRead) {
 }
 
 TEST_F(CliStudy, FindsTheNumberOfParticipantsAndWarnsOfMeansThatCannotBe) {
-  const json result = result_of({"study", "power", "--people", "12", "--studies", "200", "--seed", "3"});
+  const json result = report_of({"study", "power", "--people", "12", "--studies", "200", "--seed", "3"});
   EXPECT_EQ(result["participants"], 6);
   EXPECT_EQ(result["seed"], 3);
   EXPECT_EQ(result["accuracies"], json({0.39, 0.6525}));
@@ -213,10 +209,10 @@ TEST_F(CliStudy, FindsTheNumberOfParticipantsAndWarnsOfMeansThatCannotBe) {
 TEST_F(CliStudy, RehearsesAndWithdraws) {
   const std::string plan = source_file("assets/studies/five-minutes.toml"), out = path("rehearsal");
   const std::vector<std::string> line{"study", "rehearse", plan, "--participant", "1", "--out", out, "--accuracy", "1"};
-  const json result = result_of(line);
+  const json result = report_of(line);
   EXPECT_EQ(result["ended"], true);
   EXPECT_EQ(result["complete"], 4 + 1 + 2 * (1 + 12));
-  EXPECT_EQ(result_of(line)["starts"], 1) << "what has finished is only reported again";
+  EXPECT_EQ(report_of(line)["starts"], 1) << "what has finished is only reported again";
   const Result analysis = palpa_here({"study", "analyse", out, "--json", path("a.json")});
   EXPECT_EQ(analysis.exit_code, 0) << analysis.err;
   EXPECT_NE(analysis.err.find("is a rehearsal"), std::string::npos) << analysis.err;
@@ -262,7 +258,7 @@ TEST_F(CliStudy, KilledAtRandomInstantsNoTrialIsLostOrDoubled) {
   const json result = json::parse(end.out);
   EXPECT_EQ(result["complete"], 92);
   EXPECT_LE(result["void"].get<std::uint32_t>(), killed);
-  const json people = result_of({"study", "analyse", out})["participants"];
+  const json people = report_of({"study", "analyse", out})["participants"];
   ASSERT_EQ(people.size(), 2u) << "one person with two methods";
   for (const json& person : people)
     EXPECT_EQ(person["trials"], 40);

@@ -9,6 +9,7 @@
 #include "base/log.hpp"
 #include "geometry/solid.hpp"
 #include "support/captured.hpp"
+#include "support/occurrences.hpp"
 #include "support/shapes.hpp"
 
 namespace palpa::geometry {
@@ -40,13 +41,6 @@ Scene without_copies(Scene scene) {
   return scene;
 }
 
-std::size_t count_of(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++count;
-  return count;
-}
-
 std::string debug_lines_of(const std::function<void()>& action) {
   const log::Level before = log::level();
   log::set_level(log::Level::debug);
@@ -59,7 +53,7 @@ TEST(RigidCopies, AreCheckedOncePerScaleAndMirroring) {
   const Scene scene = copies_of(test::ell(), 120);
   std::vector<Solid> solids;
   const std::string lines = debug_lines_of([&] { solids = make_solids(scene); });
-  EXPECT_EQ(count_of(lines, "is checked"), 4U);
+  EXPECT_EQ(test::occurrences(lines, "is checked"), 4U);
   const std::vector<Solid> alone = make_solids(without_copies(scene));
   ASSERT_EQ(solids.size(), alone.size());
   for (std::size_t i = 0; i < solids.size(); ++i) {
@@ -89,7 +83,7 @@ TEST(RigidCopies, OfAConvexMeshHaveItsPlanes) {
 
 TEST(RigidCopies, FewCopiesAreEachChecked) {
   const Scene scene = copies_of(test::ell(), 12);
-  EXPECT_EQ(count_of(debug_lines_of([&] { make_solids(scene); }), "is checked"), 12U);
+  EXPECT_EQ(test::occurrences(debug_lines_of([&] { make_solids(scene); }), "is checked"), 12U);
 }
 
 TEST(RigidCopies, OpenCopiesCloseTogether) {

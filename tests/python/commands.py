@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import palpa
+from palpa import sweeps
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PALPA = os.environ.get("PALPA_BINARY", str(ROOT / "build/release/bin/palpa"))
@@ -126,86 +127,17 @@ def options_of(words):
     return {key: value[0] if isinstance(value, list) and len(value) == 1 else value for key, value in options.items()}
 
 
-UNITS = {"mm": 1000, "cm": 100, "m": 1}
-
-
-def metres(text):
-    """A length of the command line. Division gives the double that is nearest to the decimal, as palpa reads it."""
-    for unit in ("mm", "cm", "m"):
-        if text.endswith(unit):
-            return float(text[:-len(unit)]) / UNITS[unit]
-    return float(text)
-
-
-def point(text):
-    return [metres(part) for part in text.split(",")[:3]]
-
-
-def as_list(value):
-    return value if isinstance(value, list) else [value]
-
-
-def foci(texts):
-    """(points, gains) of --focus."""
-    return [point(text) for text in as_list(texts)], [float(text.split(",")[3]) if text.count(",") == 3 else 1 for text in as_list(texts)]
-
-
-def nulls(options):
-    """The arguments of --null."""
-    texts = as_list(options.pop("null", []))
-    if not texts:
-        return {}
-    return {"nulls": [point(text) for text in texts],
-            "null_radius": [metres(text.split(",")[3]) if text.count(",") == 3 else 0 for text in texts]}
-
-
-def places(options):
-    if "plane" in options:
-        size = [metres(part) for part in options.pop("size").split(",")]
-        pixels = options.pop("pixels", None)
-        return palpa.plane(options.pop("plane"), centre=point(options.pop("centre", "0,0,0")), size=size,
-                           pixels=[int(n) for n in pixels.split(",")] if pixels else None)
-    if "line" in options:
-        ends = options.pop("line")
-        return palpa.line(point(ends[0]), point(ends[1]), samples=int(options.pop("samples", 201)))
-    if "points" in options:
-        return palpa.read_ply(options.pop("points"))
-    return None
-
-
-def touch(options):
-    scene = palpa.Scene(options.pop("scene"), **{key: options.pop(key) for key in ("gltf_scene", "surface", "parts") if key in options})
-    skin = palpa.read_ply(options.pop("points")) if "points" in options else None
-    penetration = metres(options.pop("penetration")) if "penetration" in options else None
-    return scene.touch(skin, penetration=penetration, **options)
-
-
-def drive(options):
-    layout = palpa.Layout(options.pop("layout"))
-    if "touch" in options:
-        slot = options.pop("slot", None)
-        return layout.solve_touch(options.pop("touch"), slot=None if slot is None else int(slot), **nulls(options), **options)
-    where, gains = foci(options.pop("focus"))
-    finger = palpa.Mesh(options.pop("mesh")) if "mesh" in options else None
-    return layout.solve(where, gains, finger=finger, **nulls(options), **options)
-
-
-def field(options):
-    layout = palpa.Layout(options.pop("layout"))
-    where = places(options)
-    if "drive" in options:
-        sound = layout.read_drive(options.pop("drive"))
-    else:
-        solved = {key: options.pop(key) for key in ("amplitude", "solver", "constraint", "pressure") if key in options}
-        at, gains = foci(options.pop("focus"))
-        air = {key: options[key] for key in ("temperature", "sound_speed", "frequency", "directivity") if key in options}
-        sound = layout.solve(at, gains, backend="cpu", **nulls(options), **solved, **air)
-    return layout.field(sound, where, **options)
+def computed(command):
+    """Computes as a sweep does, which takes the command's texts."""
+    def result(options):
+        lists = {name: value if isinstance(value, list) else [value] for name, value in options.items() if name in ("focus", "null")}
+        return sweeps.result_of(command, options | lists, (), {})
+    return result
 
 
 def scatter(options):
-    where = places(options)
-    waves = {key: point(options.pop(key)) for key in ("plane_wave", "point_source") if key in options}
+    where = sweeps.places(options) if options.keys() & {"plane", "line", "points"} else None
+    waves = {key: sweeps.lengths(options.pop(key)) for key in ("plane_wave", "point_source") if key in options}
     if "layout" in options:
         layout = palpa.Layout(options.pop("layout"))
         waves |= {"layout": layout, "drive": layout.read_drive(options.pop("drive"))}
@@ -213,11 +145,10 @@ def scatter(options):
 
 
 def simulate(options):
-    finger = palpa.Mesh(options.pop("finger", "assets/finger.ply"))
-    penetration = {"penetration": metres(options.pop("penetration"))} if "penetration" in options else {}
+    finger = options.pop("finger", "assets/finger.ply")
     if options.pop("figure6", False):
-        return palpa.figure6(finger, **penetration, **options)
-    return palpa.simulate(palpa.Scene(options.pop("scene")), finger, **penetration, **options)
+        return palpa.figure6(palpa.Mesh(finger), **options)
+    return computed("simulate")(options | {"finger": finger})
 
 
 class Played:
@@ -260,7 +191,7 @@ def live(options):
     return palpa.Session(palpa.Scene(options.pop("scene")), source=options.pop("source", "synthetic"), **options).run(frames=frames)
 
 
-IN_PYTHON = {"touch": touch, "drive": drive, "field": field, "scatter": scatter, "simulate": simulate, "export": export, "decompose": Decomposed,
+IN_PYTHON = {"touch": computed("touch"), "drive": computed("drive"), "field": computed("field"), "scatter": scatter, "simulate": simulate, "export": export, "decompose": Decomposed,
              "calibrate": calibrate, "run": live}
 
 

@@ -95,35 +95,6 @@ TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
   EXPECT_EQ(read_text(file("sub-01_order.csv")), order_csv(plan_, order_of(plan_, 1)));
 }
 
-TEST_F(RecordTest, KilledTwiceItHasTheSameAnalysis) {
-  sit(1, 100'000, 0.5);
-  const Study whole = study();
-  const fs::path other = test::scratch_folder("record-killed");
-  fs::rename(folder_ / "sub-01", other / "whole");
-  sit(1, 20, 0.5);
-  sit(1, 25, 0.5);
-  sit(1, 100'000, 0.5);
-  const Study killed = study();
-  ASSERT_EQ(killed.participants.size(), 1u);
-  const Participant &a = whole.participants[0], &b = killed.participants[0];
-  ASSERT_EQ(a.trials.size(), b.trials.size());
-  // The same answers to the same shapes. Only the place of a repeated trial may differ.
-  const auto table = [](const Participant& participant) {
-    std::vector<std::array<std::uint32_t, 3>> rows;
-    for (const Trial& trial : participant.trials)
-      rows.push_back({trial.method, trial.shape, trial.answer});
-    std::ranges::sort(rows);
-    return rows;
-  };
-  EXPECT_EQ(table(a), table(b));
-  EXPECT_TRUE(fs::exists(file("beh/sub-01_task-shapes_run-03_events.tsv")));
-  for (const char* run : {"01", "02"}) {
-    const std::string log = read_text(file(std::string("beh/sub-01_task-shapes_run-") + run + "_events.tsv"));
-    EXPECT_TRUE(log.find("\tvoid\t") != std::string::npos || log.find("\tanswered\t") != std::string::npos) << log;
-    EXPECT_EQ(log.find("\tvoid\t") != std::string::npos, log.find("the program ended") != std::string::npos) << log;
-  }
-}
-
 TEST_F(RecordTest, OneProcessAtATime) {
   const Record record(plan_, 1, folder_, true);
   EXPECT_CONTAINS(fault_of(1), "another palpa");

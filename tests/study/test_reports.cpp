@@ -15,6 +15,7 @@
 #include "study/report/comparison_report.hpp"
 #include "study/report/power_report.hpp"
 #include "study/tables/paper.hpp"
+#include "support/occurrences.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
 #include "support/thrown.hpp"
@@ -23,20 +24,15 @@ namespace palpa::study {
 namespace {
 
 using nlohmann::json;
-
-std::size_t times(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++count;
-  return count;
-}
+using test::occurrences;
 
 /// Every element ends, nothing is loaded from elsewhere, and no number is missing.
 void expect_page(const std::string& html) {
   EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
   EXPECT_TRUE(html.ends_with("</html>\n"));
   for (const std::string element : {"table", "figure", "svg", "tr", "th", "td", "text", "h2", "p", "ul", "rect"}) {
-    EXPECT_EQ(times(html, "<" + element + ">") + times(html, "<" + element + " "), times(html, "</" + element + ">"))
+    EXPECT_EQ(occurrences(html, "<" + element + ">") + occurrences(html, "<" + element + " "),
+              occurrences(html, "</" + element + ">"))
         << element;
   }
   for (const char* foreign : {"<script", "src=", "href=", "url(", "nan", "inf\""})
@@ -55,11 +51,11 @@ TEST(Reports, OfAStudy) {
   expect_page(html);
   EXPECT_CONTAINS(html, "p = 0.00195");
   EXPECT_CONTAINS(html, "seed 0");
-  EXPECT_EQ(times(html, "<svg"), 4u) << "accuracies, two confusion matrices, learning";
+  EXPECT_EQ(occurrences(html, "<svg"), 4u) << "accuracies, two confusion matrices, learning";
   EXPECT_CONTAINS(text, "single-focus: mean accuracy 0.390 of 10 participants");
   EXPECT_CONTAINS(text, "cross-section: mean accuracy 0.653 of 10 participants");
   EXPECT_CONTAINS(text, "exact: p = 0.00195, T+ = 55");
-  EXPECT_EQ(times(csv, "\n"), 21u);
+  EXPECT_EQ(occurrences(csv, "\n"), 21u);
   EXPECT_CONTAINS(csv, "1,single-focus,1,40,18,0.45,");
   EXPECT_EQ(analysis_html(ten()), html);
   EXPECT_EQ(analysis_json(ten()), analysis_json(analysis));
@@ -126,7 +122,7 @@ TEST(Reports, OfTables) {
   const json document = json::parse(comparison_json(comparison, {}));
   EXPECT_EQ(document["tables"][0]["accuracy"], 0.6525);
   EXPECT_EQ(document["tables"][0]["luce_fit"]["deviance"], 25.30202174);
-  EXPECT_EQ(times(comparison_csv(comparison), "\n"), 4u);
+  EXPECT_EQ(occurrences(comparison_csv(comparison), "\n"), 4u);
   EXPECT_CONTAINS(comparison_text(comparison), "261 of 400 correct: 0.653, d' 1.327");
 }
 

@@ -1,8 +1,6 @@
 // join_pictures LEFT.png RIGHT.png OUT.png: joins the two side by side.
-#include <algorithm>
-#include <cstdio>
-#include <exception>
 
+#include "assets/generators/program.hpp"
 #include "base/error.hpp"
 #include "drawing/png.hpp"
 
@@ -25,15 +23,8 @@ void join(const char* left_file, const char* right_file, const char* out_file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
+  return palpa::assets::run_program([&] {
     if (argc != 4) throw palpa::bad_usage("usage: join_pictures LEFT.png RIGHT.png OUT.png");
     join(argv[1], argv[2], argv[3]);
-    return 0;
-  } catch (const palpa::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.code());
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
-  }
+  });
 }

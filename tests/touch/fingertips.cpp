@@ -71,12 +71,11 @@ std::vector<sensing::Camera> paper_cameras(int count) {
   return cameras;
 }
 
-std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg) {
-  constexpr double distance = 0.35;
+std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg, double distance_m) {
   std::vector<sensing::Camera> cameras;
   for (int i = 0; i < count; ++i) {
     const double up = radians(elevation_deg), around = radians(azimuth_deg + 360.0 * i / count);
-    const Vec3 eye = distance * Vec3(std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around));
+    const Vec3 eye = distance_m * Vec3(std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around));
     const Vec3 forward = -glm::normalize(eye), right = glm::normalize(glm::cross(forward, Vec3(0, 1, 0)));
     sensing::Camera camera = paper_cameras(1)[0];
     camera.T_world_camera =

@@ -13,9 +13,10 @@
 
 namespace palpa::touch::test {
 
-/// `count` D415 in a ring around the origin, 0.35 m away, looking at it from `elevation_deg` above the horizon; the
-/// first at `azimuth_deg` from +x towards +z.
-std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg);
+/// `count` D415 in a ring around the origin, `distance_m` away, looking at it from `elevation_deg` above the horizon;
+/// the first at `azimuth_deg` from +x towards +z.
+std::vector<sensing::Camera> ring_of_cameras(int count, double elevation_deg, double azimuth_deg,
+                                             double distance_m = 0.35);
 /// The first `count` cameras of the paper's rig, which look up.
 std::vector<sensing::Camera> paper_cameras(int count);
 

@@ -56,12 +56,4 @@ inline Result palpa_as(const std::string& user, const std::vector<std::string>& 
   return run_program("/bin/busybox", with(line, arguments), {.environment = {where_assets_are()}});
 }
 
-/// How often a text contains `part`.
-inline std::size_t times_said(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
-    ++count;
-  return count;
-}
-
 }  // namespace palpa::test

@@ -18,6 +18,7 @@
 #include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/occurrences.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "usb/loop.hpp"
@@ -186,7 +187,7 @@ TEST(CameraOnUsb, UnpluggedAndPluggedInAgain) {
   chain.camera.plug();
   EXPECT_TRUE(chain.sounds()) << chain.loop->said();
   EXPECT_EQ(chain.loop->end(), 0);
-  EXPECT_EQ(times_said(chain.loop->said(), "\n"), 2u) << "that it is gone and that it is back: " << chain.loop->said();
+  EXPECT_EQ(occurrences(chain.loop->said(), "\n"), 2u) << "that it is gone and that it is back: " << chain.loop->said();
   EXPECT_EQ(chain.board.faults_at_the_end(), none);
 }
 

@@ -13,6 +13,7 @@
 #include "cli/support/process.hpp"
 #include "support/begins.hpp"
 #include "support/files.hpp"
+#include "support/occurrences.hpp"
 #include "support/thrown.hpp"
 #include "usb/loop.hpp"
 #include "usb/plugged_board.hpp"
@@ -30,9 +31,9 @@ bool plays_on(PluggedBoard& board) {
 
 void expect_one_recovery(const Loop& loop, const std::string& trouble) {
   const std::string said = loop.said();
-  EXPECT_EQ(times_said(said, trouble), 1u) << said;
-  EXPECT_EQ(times_said(said, "in step again after"), 1u) << said;
-  EXPECT_EQ(times_said(said, "\n"), 2u) << said;
+  EXPECT_EQ(occurrences(said, trouble), 1u) << said;
+  EXPECT_EQ(occurrences(said, "in step again after"), 1u) << said;
+  EXPECT_EQ(occurrences(said, "\n"), 2u) << said;
 }
 
 /// A board, and a loop that plays to it.
@@ -112,7 +113,7 @@ TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
   kill(guard(), SIGKILL);
   EXPECT_EQ(sweep.loop.wait(), 1);
   const std::string said = sweep.loop.said();
-  EXPECT_EQ(times_said(said, "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u) << said;
+  EXPECT_EQ(occurrences(said, "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u) << said;
   EXPECT_EQ(guard(), 0);
   EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }

@@ -59,7 +59,7 @@ App::App(const ViewerOptions& options, const Size& size, AppHost host)
     list_own_files(data_);
   }
   content_.begin();
-  if (!data_.content.live) data_.state.time.playing = content_.changes();
+  if (!data_.content.live) data_.state.time.playing = content_.picture().changes();
   if (options.participant) open_participant();
   ratio_ = options.pixel_ratio.value_or(host_.ratio);
   data_.state.viewpoint = first_viewpoint(options, picture(), data_.state, free_size(size));
@@ -373,7 +373,7 @@ void App::frame_object(const Size& size) {
 
 void App::advance_slots() {
   SlotTime& time = data_.state.time;
-  const bool plays = time.playing && content_.changes();
+  const bool plays = time.playing && content_.picture().changes();
   if (plays && now_s_ < next_slot_s_) return;
   if (plays) {
     const double late = std::clamp((now_s_ - next_slot_s_) * time.slots_per_s, 0.0, 1e4);
@@ -400,7 +400,7 @@ void App::advance_sound() {
 std::optional<double> App::next_s() const {
   std::optional<double> next;
   const auto sooner = [&](double at) { next = next ? std::min(*next, at) : at; };
-  if (data_.state.time.playing && content_.changes()) sooner(next_slot_s_);
+  if (data_.state.time.playing && content_.picture().changes()) sooner(next_slot_s_);
   for (const Toast& toast : data_.messages.toasts())
     sooner(toast.until_s);
   const Content& content = data_.content;

@@ -64,10 +64,6 @@ void ContentControl::begin() {
   }
 }
 
-bool ContentControl::changes() const {
-  return std::ranges::any_of(picture().fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1; });
-}
-
 void ContentControl::show_slot(std::uint64_t slot) {
   if (!touch_) return run_.show_slot(slot);
   touch_->go_to(slot);

@@ -33,8 +33,6 @@ class ContentControl {
   const Picture& picture() const { return touch_ ? std::as_const(*touch_).picture() : run_.picture(); }
   Sounds& sounds() { return sounds_; }
   const Sounds& sounds() const { return sounds_; }
-  /// Whether several slots of the picture look different.
-  bool changes() const;
   void show_slot(std::uint64_t slot);
   /// `slot`: as ShownRun::sounding has it.
   Sounding sounding(std::optional<std::uint64_t> slot);

@@ -1,6 +1,5 @@
 #include "viewer/app/opening.hpp"
 
-#include <system_error>
 #include <utility>
 
 #include "sensing/recording.hpp"
@@ -39,11 +38,10 @@ bool SceneWatch::look(const std::string& file, double now_s) {
   if (now_s < next_s_) return false;
   next_s_ = now_s + every_s;
   if (file.empty()) return false;
-  std::error_code fault;
-  const std::filesystem::file_time_type time = std::filesystem::last_write_time(file, fault);
-  if (fault) return false;
+  const setup::SceneState state = setup::look_at_scene(file);
+  if (state.front() == setup::SceneState::value_type{}) return false;  // there is no such file
   const bool same_file = std::exchange(file_, file) == file;
-  const bool written = std::exchange(time_, time) != time && same_file;
+  const bool written = std::exchange(state_, state) != state && same_file;
   const bool settled = same_file && !written && unsettled_;
   unsettled_ = written;
   return settled;

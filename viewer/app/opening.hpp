@@ -1,12 +1,12 @@
 // Opens files in the background while the picture stays, and notices when a scene was written again.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "setup/scene_reload.hpp"
 #include "viewer/app/shown_touch.hpp"
 #include "viewer/live/loader.hpp"
 #include "viewer/options/viewer_options.hpp"
@@ -50,10 +50,10 @@ class Opening {
   Loader loader_;
 };
 
-/// Notices that the file of a scene has been written again.
+/// Notices that the files of a scene have been written again.
 class SceneWatch {
  public:
-  /// Looks at the file, at most once a second. Returns true if the file was written again and has not changed since the
+  /// Looks at the files, at most once a second. Returns true if they were written again and have not changed since the
   /// look before, because editors write in several steps. Returns false for an empty name, and for another file than at
   /// the last look, whose earlier state is not known.
   bool look(const std::string& file, double now_s);
@@ -62,8 +62,8 @@ class SceneWatch {
 
  private:
   std::string file_;
-  std::filesystem::file_time_type time_{};  ///< when it was written last
-  bool unsettled_ = false;                  ///< it was written since the look before
+  setup::SceneState state_{};
+  bool unsettled_ = false;  ///< it was written since the look before
   double next_s_ = 0;
 };
 

@@ -126,11 +126,6 @@ Sounding ShownTouch::sounding() const {
   return now;
 }
 
-bool ShownTouch::changes() const {
-  return std::any_of(picture_.fingers.begin(), picture_.fingers.end(),
-                     [](const FingerMarks& finger) { return finger.foci.size() > 1; });
-}
-
 void ShownTouch::go_to(std::uint64_t slot) {
   if (schedule_.voice_count == 0) return;
   show_slot(picture_, schedule_, slot);

@@ -23,8 +23,6 @@ class ShownTouch {
 
   const Picture& picture() const { return picture_; }
   Picture& picture() { return picture_; }
-  /// Whether slots look different from each other.
-  bool changes() const;
   /// Shows the running foci and the drive of that slot.
   void go_to(std::uint64_t slot);
   /// Puts the field of that drive into the picture. Without a drive, does nothing.

@@ -16,9 +16,11 @@ bool HeldFinger::is_held(const std::string& source) {
   return source == "mouse" || source.starts_with("mouse:");
 }
 
-std::string HeldFinger::without_hand(const std::string& source) {
+void HeldFinger::without_hand(line::Given& given) {
   constexpr std::size_t length = 5;  // of "mouse"
-  return is_held(source) ? "synthetic" + source.substr(length) : source;
+  const auto source = given.find("--source");
+  if (source == given.end() || source->second.empty() || !is_held(source->second.front())) return;
+  source->second.front().replace(0, length, "synthetic");
 }
 
 session::SourceKind HeldFinger::source() {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/math.hpp"
+#include "line/option_table.hpp"
 #include "session/links/sources.hpp"
 
 namespace palpa::viewer {
@@ -20,8 +21,8 @@ class HeldFinger {
 
   /// Whether --source is of the kind `mouse`.
   static bool is_held(const std::string& source);
-  /// The source where there is no hand: a held finger dips by itself. Other sources stay.
-  static std::string without_hand(const std::string& source);
+  /// Changes --source for a line without a window, and so without a pointer to follow: a held finger dips by itself.
+  static void without_hand(line::Given& given);
   /// The kind `mouse`. The finger must outlive the sources that it opens.
   session::SourceKind source();
 

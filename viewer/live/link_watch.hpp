@@ -10,7 +10,6 @@ namespace palpa::viewer {
 
 /// Written by the session's threads, read by the window's thread.
 struct LinkWatch {
-  std::atomic<bool> open{false};
   std::atomic<std::uint64_t> drives{0}, silent{0};
   session::SoundWatch sound;
 
@@ -21,10 +20,7 @@ struct LinkWatch {
     silent += sounds ? 0 : 1;
   }
   /// Nothing leaves any more.
-  void close() {
-    open = false;
-    sound.close();
-  }
+  void close() { sound.close(); }
 };
 
 }  // namespace palpa::viewer

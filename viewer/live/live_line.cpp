@@ -16,17 +16,11 @@
 namespace palpa::viewer {
 namespace {
 
-struct LineOptions : setup::LiveOptions {
-  setup::StatsFormat stats = setup::StatsFormat::none;
-};
+using setup::RunOptions;
 
-void add_live_options(CLI::App& app, LineOptions& o) {
-  const line::Group group(app, "What to run");
-  add_frame_options(group, o, "stop after that many frames; 0: at the source's end");
-  add_link_options(group, o);
-  add_reload_option(group, o);  // the viewer reads a saved scene again in any case
-  setup::add_stats_option(group, o.stats);
-  add_session_options(app, o, setup::FingerMesh::known);
+/// The viewer reads a saved scene again also without --reload.
+void add_live_options(CLI::App& app, RunOptions& o) {
+  setup::add_run_options(app, o, "stop after that many frames; 0: at the source's end");
   setup::add_common(app, o.common);
 }
 
@@ -39,8 +33,8 @@ bool is_copied(const line::OptionInfo& info) {
 class Reader {
  public:
   Reader() { add_live_options(app_, options_); }
-  LineOptions read(const line::Given& given) {
-    options_ = LineOptions();  // an option that is not given has its default, whatever it was before
+  RunOptions read(const line::Given& given) {
+    options_ = RunOptions();  // an option that is not given has its default, whatever it was before
     line::read_given(app_, given);
     return options_;
   }
@@ -49,7 +43,7 @@ class Reader {
 
  private:
   CLI::App app_{"", "palpa-viewer"};
-  LineOptions options_;  ///< the app's options are read into this
+  RunOptions options_;  ///< the app's options are read into this
 };
 
 Reader& reader() {
@@ -57,7 +51,7 @@ Reader& reader() {
   return one;
 }
 
-LineOptions read(const line::Given& given) {
+RunOptions read(const line::Given& given) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   return reader().read(given);
@@ -112,10 +106,7 @@ void check_copied(const line::Given& copied) {
 std::string run_command(const line::Given& given, const line::Given& copied) {
   line::Given there = line::known_to(live_table(), given);
   there.merge(line::known_to(copied_table(), copied));
-  // `palpa run` has no pointer to follow, so its finger dips by itself.
-  if (const auto source = there.find("--source"); source != there.end() && !source->second.empty()) {
-    source->second.front() = HeldFinger::without_hand(source->second.front());
-  }
+  HeldFinger::without_hand(there);
   return line::command_line("palpa run", whole_table(), there);
 }
 

@@ -69,7 +69,6 @@ void LiveSession::work() {
   try {
     const Outputs outputs(setup::outputs_of(options_, setup::with_builtin(kinds_.links)));
     setup::LiveRun run(options_, kinds_.sources, kinds_.links, *stop_);
-    link_.open = true;
     publish_scene(run);
     session_ = &run.session();
     follow_poses(run.session());

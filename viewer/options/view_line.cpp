@@ -72,9 +72,7 @@ std::string picture_command(const ViewerOptions& options, const line::Given& run
     for (const line::OptionInfo& info : live_table())
       given.erase(info.name);
     given.insert(run.begin(), run.end());
-    // Without a window, there is no pointer to follow, so the finger dips by itself.
-    if (const auto source = given.find("--source"); source != given.end() && !source->second.empty())
-      source->second.front() = HeldFinger::without_hand(source->second.front());
+    HeldFinger::without_hand(given);
   }
   for (const line::OptionInfo& option : viewer_table()) {
     if (is_of_view(option)) given.erase(option.name);

@@ -15,8 +15,6 @@
 #include "base/units.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
-#include "sensing/rig.hpp"
-#include "setup/assets.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
 
@@ -413,17 +411,8 @@ Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const 
 }
 
 Participant participant_of(const ViewerOptions& o) {
-  const std::string file = !o.screen.empty()      ? o.screen
-                           : !o.input.rig.empty() ? o.input.rig
-                                                  : setup::find_asset("rigs/paper.toml");
-  const sensing::Rig rig = sensing::load_rig(file);
-  if (!rig.screen) throw bad_input(file, "has no [screen]; give a rig with one as --screen");
-  Participant participant{.screen = *rig.screen,
-                          .eyes_apart_m = o.eyes_apart_m,
-                          .stereo = o.stereo,
-                          .barrier_pitch_m = o.barrier_pitch_m,
-                          .barrier_gap_m = o.barrier_gap_m,
-                          .barrier_phase = o.barrier_phase};
+  Participant participant =
+      participant_before(o.screen.empty() ? o.input.rig : o.screen, "; give a rig with one as --screen", o, o.stereo);
   if (!o.eye.empty()) participant.screen.eye_m = point("--eye", o.eye);
   const Eyes eyes = eyes_before(participant.screen, o.eyes_apart_m);
   for (const Vec3& eye : {eyes.left, eyes.right})

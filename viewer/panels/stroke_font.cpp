@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text.hpp"
 #include "drawing/canvas.hpp"
 #include "drawing/ink.hpp"
 
@@ -19,13 +20,6 @@ constexpr double capitals = 8.6, baseline = 12.6;
 
 /// The characters that the strokes know besides ASCII: degree, micro, middle dot, times, pi, dash, minus, arrow.
 constexpr std::uint32_t others[] = {0xb0, 0xb5, 0xb7, 0xd7, 0x3c0, 0x2013, 0x2212, 0x2192};
-
-std::string utf8(std::uint32_t code) {
-  if (code < 0x80) return {static_cast<char>(code)};
-  if (code < 0x800) return {static_cast<char>(0xc0 | code >> 6), static_cast<char>(0x80 | (code & 63))};
-  return {static_cast<char>(0xe0 | code >> 12), static_cast<char>(0x80 | (code >> 6 & 63)),
-          static_cast<char>(0x80 | (code & 63))};
-}
 
 struct Glyph {
   int rectangle;  ///< in the atlas

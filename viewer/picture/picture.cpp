@@ -23,6 +23,10 @@ Vec3 middle_of_top(const geometry::Solid& solid) {
 
 }  // namespace
 
+bool Picture::changes() const {
+  return std::ranges::any_of(fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1; });
+}
+
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
   picture.solids.clear();
   picture.tile.reset();
@@ -150,7 +154,8 @@ void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive)
   }
 }
 
-void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m) {
+void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras) {
+  constexpr double depth_m = 0.08;
   picture.cameras.clear();
   for (const sensing::Camera& camera : cameras) {
     CameraMark mark;

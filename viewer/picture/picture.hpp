@@ -138,6 +138,9 @@ struct Picture : PictureNotes {
   float transducer_radius_m = 4.2e-3f;
   std::vector<BoardMark> boards;
   std::vector<ImageMark> images;
+
+  /// Whether slots look different from each other.
+  bool changes() const;
 };
 
 /// Depth images show far more than the hand, so only skin this near to the solids is drawn.
@@ -160,8 +163,8 @@ void show_slot(Picture& picture, const array::Schedule& schedule, std::uint64_t 
 void show_array(Picture& picture, const array::Layout& layout);
 /// The drive of the transducers that show_array put there, in the same order.
 void show_drive(Picture& picture, std::span<const array::TransducerDrive> drive);
-/// Frusta as long as `depth_m`.
-void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras, double depth_m = 0.08);
+/// Frusta 80 mm long.
+void show_cameras(Picture& picture, std::span<const sensing::Camera> cameras);
 /// One image for each camera of show_cameras, at the end of its frustum. Nearer is lighter, and no data is a shade.
 /// Images are coarser than the frames, so that a live view stays quick.
 void show_depth(Picture& picture, std::span<const sensing::Camera> cameras,

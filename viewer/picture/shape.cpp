@@ -130,9 +130,9 @@ EdgeNet net_of(const geometry::Mesh& mesh, const std::vector<glm::uvec3>& faces,
 
 }  // namespace
 
-Shape make_shape(const geometry::Mesh& mesh, double crease, std::span<const drawing::Colour> colours) {
+Shape make_shape(const geometry::Mesh& mesh, std::span<const drawing::Colour> colours) {
   Shape shape;
-  const double smooth = std::cos(crease);
+  const double smooth = std::cos(0.52);
   std::vector<glm::uvec3> faces;
   std::vector<Vec3> area_normals;  // length: twice the area
   for (const glm::uvec3& t : mesh.triangles) {

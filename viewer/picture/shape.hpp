@@ -17,12 +17,10 @@ struct Shape {
   EdgeNet edges;                       ///< creases, open edges, folds of smooth surfaces; none between coplanar faces
 };
 
-/// `mesh` must be welded. Triangles without area are left out. Faces that meet at less than `crease` radians shade
+/// `mesh` must be welded. Triangles without area are left out. Faces that meet at less than 0.52 radians shade
 /// smoothly. A crease is drawn if it closes, or if together with those that it meets it is at least a quarter as long
 /// as the object. The short folds of a scan are not drawn. `colours`, if not empty, are the vertices' colours: the
 /// shape's corners then have their own colours.
-inline constexpr double default_crease = 0.52;
-Shape make_shape(const geometry::Mesh& mesh, double crease = default_crease,
-                 std::span<const drawing::Colour> colours = {});
+Shape make_shape(const geometry::Mesh& mesh, std::span<const drawing::Colour> colours = {});
 
 }  // namespace palpa::viewer

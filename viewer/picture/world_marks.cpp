@@ -7,20 +7,17 @@
 
 #include "viewer/picture/palette.hpp"
 #include "viewer/picture/view_vertex.hpp"
+#include "viewer/view/vec4.hpp"
 
 namespace palpa::viewer {
 namespace {
-
-shader::vec4 pack(const glm::vec3& v, float w) {
-  return {v.x, v.y, v.z, w};
-}
 
 /// Draws the lines of one layer.
 class Pen {
  public:
   Pen(float opacity, std::vector<shader::ViewStroke>& out) : opacity_(opacity), out_(out) {}
   void line(const glm::vec3& a, const glm::vec3& b, float width, const Colour& c) {
-    out_.push_back({pack(a, width / 2), pack(b, 0), {c.r, c.g, c.b, c.a * opacity_}});
+    out_.push_back({vec4_of(a, width / 2), vec4_of(b, 0), {c.r, c.g, c.b, c.a * opacity_}});
   }
 
  private:

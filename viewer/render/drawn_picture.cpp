@@ -10,16 +10,10 @@
 
 #include "viewer/picture/detail.hpp"
 #include "viewer/picture/shape.hpp"
+#include "viewer/view/vec4.hpp"
 
 namespace palpa::viewer {
 namespace {
-
-shader::vec4 pack(const glm::vec3& v, float w) {
-  return {v.x, v.y, v.z, w};
-}
-shader::vec4 pack(const Colour& c, float w) {
-  return {c.r, c.g, c.b, w};
-}
 
 constexpr float unbounded = 1e6f;
 
@@ -43,28 +37,19 @@ struct BySurface {
 
 }  // namespace
 
-template <typename T>
-void DrawnPicture::fill(gpu::Upload& upload, const std::vector<T>& items, const char* name) {
-  const VkDeviceSize bytes = items.size() * sizeof(T);
-  if (upload.data() == nullptr || upload.ref().size < bytes) {
-    upload = gpu::Upload(*device_, std::max<VkDeviceSize>(bytes + bytes / 2, sizeof(T)), name);
-  }
-  if (bytes != 0) std::memcpy(upload.data(), items.data(), bytes);
-}
-
 void DrawnPicture::begin_surfaces() {
   new_vertices_.clear();
   new_corners_.clear();
 }
 
 void DrawnPicture::end_surfaces(SurfaceMemory& memory, const char* name, const char* corners_name) {
-  fill(memory.vertices, new_vertices_, name);
-  fill(memory.corners, new_corners_, corners_name);
+  memory.vertices.fill(*device_, new_vertices_, name);
+  memory.corners.fill(*device_, new_corners_, corners_name);
   memory.changed = true;
 }
 
 SurfaceItems DrawnPicture::add_surface(const SurfaceMark& surface) {
-  Shape shape = make_shape(surface.mesh, default_crease, surface.colours);
+  Shape shape = make_shape(surface.mesh, surface.colours);
   SurfaceItems range;
   const auto first_vertex = static_cast<std::uint32_t>(new_vertices_.size());
   const auto append = [&](std::span<const std::uint32_t> corners) {
@@ -135,9 +120,9 @@ void DrawnPicture::update_marks(const Picture& picture, const ViewState& state) 
   append(tile_, new_marks_.tile);
   add_images(picture);
   lines_ = {0, static_cast<std::uint32_t>(new_marks_.lines.size())};
-  fill(face_vertices_, new_vertices_, "faces");
-  fill(pixels_, new_pixels_, "images");
-  fill(strokes_, new_marks_.lines, "lines");
+  face_vertices_.fill(*device_, new_vertices_, "faces");
+  pixels_.fill(*device_, new_pixels_, "images");
+  strokes_.fill(*device_, new_marks_.lines, "lines");
   marks_changed_ = true;
 }
 
@@ -160,27 +145,28 @@ void DrawnPicture::add_discs(const Picture& picture, const Theme& theme) {
   points_box_ = {};
   for (const glm::vec3& p : picture.dropped_points) {
     points_box_.add(Vec3(p));
-    new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.dropped_point, 2.2f)});
+    new_discs_.push_back({vec4_of(p, 0.2e-3f), {0, 0, 0, 0.8f}, vec4_of(theme.dropped_point, 2.2f)});
   }
   for (const glm::vec3& p : picture.skin_points) {
     points_box_.add(Vec3(p));
-    new_discs_.push_back({pack(p, 0.2e-3f), {0, 0, 0, 0.8f}, pack(theme.skin_point, 2.2f)});
+    new_discs_.push_back({vec4_of(p, 0.2e-3f), {0, 0, 0, 0.8f}, vec4_of(theme.skin_point, 2.2f)});
   }
   end(points_);
   contacts_ = begin();
   for (const ContactMark& c : picture.contacts) {
     const Colour colour = c.finger ? finger_colour(*c.finger) : theme.loose_contact;
-    new_discs_.push_back({pack(c.position, 0.34e-3f), {0, 0, 0, 1.6f}, pack(colour, 4.5f)});
+    new_discs_.push_back({vec4_of(c.position, 0.34e-3f), {0, 0, 0, 1.6f}, vec4_of(colour, 4.5f)});
   }
   end(contacts_);
   transducers_ = begin();
   for (const TransducerMark& t : picture.transducers) {
     const Colour colour = picture.driven ? drive_colour(t.amplitude, t.phase) : theme.idle_transducer;
     const glm::vec3 axis = glm::length(t.axis) > 0.5f ? t.axis : glm::vec3(0, 0, 1);
-    new_discs_.push_back({pack(t.position, picture.transducer_radius_m), pack(axis, 0), pack(colour, unbounded)});
+    new_discs_.push_back(
+        {vec4_of(t.position, picture.transducer_radius_m), vec4_of(axis, 0), vec4_of(colour, unbounded)});
   }
   end(transducers_);
-  fill(discs_, new_discs_, "points and transducers");
+  discs_.fill(*device_, new_discs_, "points and transducers");
 }
 
 void DrawnPicture::add_images(const Picture& picture) {
@@ -195,7 +181,7 @@ void DrawnPicture::add_images(const Picture& picture) {
                        image.height});
     for (const std::size_t corner : {0, 1, 2, 0, 2, 3}) {
       const float x = corner == 1 || corner == 2 ? 1 : 0, y = corner >= 2 ? 1 : 0;
-      new_vertices_.push_back({pack(image.corners[corner], x), {0, 0, 0, y}});
+      new_vertices_.push_back({vec4_of(image.corners[corner], x), {0, 0, 0, y}});
     }
     new_pixels_.insert(new_pixels_.end(), image.pixels.begin(), image.pixels.end());
   }

@@ -64,8 +64,6 @@ class DrawnPicture {
 
  private:
   friend class Renderer;
-  template <typename T>
-  void fill(gpu::Upload& upload, const std::vector<T>& items, const char* name);
   void begin_surfaces();
   SurfaceItems add_surface(const SurfaceMark& surface);
   void end_surfaces(SurfaceMemory& memory, const char* name, const char* corners_name);

@@ -6,10 +6,26 @@
 #include <cmath>
 #include <vector>
 
+#include "base/error.hpp"
 #include "drawing/canvas.hpp"
 #include "drawing/ink.hpp"
+#include "sensing/rig.hpp"
+#include "setup/assets.hpp"
 
 namespace palpa::viewer {
+
+Participant participant_before(const std::string& rig, const std::string& advice, const setup::EyesOptions& eyes,
+                               Stereo stereo) {
+  const std::string file = rig.empty() ? setup::find_asset("rigs/paper.toml") : rig;
+  const sensing::Rig read = sensing::load_rig(file);
+  if (!read.screen) throw bad_input(file, "has no [screen]" + advice);
+  return {.screen = *read.screen,
+          .eyes_apart_m = eyes.eyes_apart_m,
+          .stereo = stereo,
+          .barrier_pitch_m = eyes.barrier_pitch_m,
+          .barrier_gap_m = eyes.barrier_gap_m,
+          .barrier_phase = eyes.barrier_phase};
+}
 
 std::string stretched(const sensing::Screen& screen, std::uint32_t width, std::uint32_t height) {
   constexpr double tolerance = 0.02;

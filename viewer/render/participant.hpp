@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "setup/study_options.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/view/stereo.hpp"
 #include "viewer/view/view_state.hpp"
@@ -20,6 +21,11 @@ struct Participant {
   double barrier_phase = 0;
   bool operator==(const Participant&) const = default;
 };
+
+/// Somebody before the screen of the rig in this file, or of the paper's if the name is empty. Throws bad_input for a
+/// rig without a screen; `advice` ends the message.
+Participant participant_before(const std::string& rig, const std::string& advice, const setup::EyesOptions& eyes,
+                               Stereo stereo);
 
 /// The barrier through which the pixels of a picture of that size are seen.
 Barrier barrier_of(const Participant& participant, std::uint32_t width, std::uint32_t height);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <glm/geometric.hpp>
 
 #include "base/error.hpp"
@@ -15,6 +14,7 @@
 #include "viewer/picture/palette.hpp"
 #include "viewer/render/overlay.hpp"
 #include "viewer/render/rendering.hpp"
+#include "viewer/view/vec4.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -58,10 +58,6 @@ void refuse_what_cannot_draw(const gpu::Device& device) {
   }
 }
 
-shader::vec4 pack(const Colour& c) {
-  return {c.r, c.g, c.b, c.a};
-}
-
 /// Uploads overwrite data that the draws of earlier frames have fetched.
 void after_last_draws(VkCommandBuffer commands) {
   constexpr VkPipelineStageFlags2 draws = VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
@@ -71,17 +67,6 @@ void after_last_draws(VkCommandBuffer commands) {
 
 constexpr std::uint32_t corners_of(std::uint32_t quads) {
   return quads * 6;
-}
-
-/// Uploads what one frame in flight draws with, of any size.
-template <typename T>
-void upload(const gpu::Device& device, VkCommandBuffer commands, const std::vector<T>& items, gpu::Upload& memory,
-            const char* name) {
-  const VkDeviceSize bytes = items.size() * sizeof(T);
-  if (memory.data() == nullptr || memory.ref().size < bytes)
-    memory = gpu::Upload(device, std::max<VkDeviceSize>(2 * bytes, 4096), name);
-  if (bytes != 0) std::memcpy(memory.data(), items.data(), bytes);
-  memory.record(commands, bytes);
 }
 
 /// The largest size in pixels at which a metre appears within `box`.
@@ -208,7 +193,7 @@ std::vector<Items> Renderer::upload_overlay(VkCommandBuffer commands, const Draw
         canvas.strokes_);
     ranges.push_back({first, static_cast<std::uint32_t>(canvas.strokes_.size()) - first});
   }
-  upload(*device_, commands, canvas.strokes_, canvas.overlay_, "view overlay");
+  canvas.overlay_.record(commands, canvas.overlay_.fill(*device_, canvas.strokes_, "view overlay"));
   return ranges;
 }
 
@@ -229,7 +214,7 @@ std::vector<Renderer::EdgeLines> Renderer::upload_edges(VkCommandBuffer commands
                        static_cast<std::uint32_t>(solid.edges.creases.size())});
     }
   }
-  upload(*device_, commands, edges, canvas.lines_, "view edges");
+  canvas.lines_.record(commands, canvas.lines_.fill(*device_, edges, "view edges"));
   return lines;
 }
 
@@ -337,7 +322,7 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
   shot.on.draw(shot.with.stroke, {drawn.strokes_.ref()}, push, {}, corners_of(drawn.lines_.count));
   push = shot.push;
   const float board = shot.theme.board.a * shot.layers.opacity(Layer::transducers);
-  push.colour = pack(with_alpha(shot.theme.board, board));
+  push.colour = vec4_of(with_alpha(shot.theme.board, board));
   push.style = {board, 0, 0, 0};
   shot.on.draw(shot.with.mesh, {drawn.face_vertices_.ref()}, push, {}, drawn.boards_.count);
   const float section = section_alpha * shot.layers.opacity(Layer::sections);
@@ -360,7 +345,7 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
   const auto paint = [&](const Shot& shot, const SurfaceItems& surface, Colour face, Colour rim, float opacity,
                          const gpu::DrawState& state) {
     shader::ViewPush push = shot.push;
-    push.colour = pack(with_alpha(face, face.a * opacity));
+    push.colour = vec4_of(with_alpha(face, face.a * opacity));
     push.style = {rim.a * opacity, 1, 1, 0};
     shot.on.draw(shot.with.mesh, {memory_of(surface).vertices.ref()}, push, state, run_of(shot, surface));
   };
@@ -428,7 +413,7 @@ void Renderer::draw_edges(const Shot& shot, const Canvas& canvas, const EdgeLine
   shader::ViewPush push = shot.push;
   push.window.w = line_bias;
   const auto draw = [&](float width, float alpha, VkCompareOp compare, std::uint32_t count) {
-    push.colour = pack(with_alpha(shot.theme.edge, alpha * shot.layers.opacity(Layer::edges)));
+    push.colour = vec4_of(with_alpha(shot.theme.edge, alpha * shot.layers.opacity(Layer::edges)));
     push.style = {0.5f * width * shot.ratio, 0, shot.push.style.z, shot.push.style.w};
     shot.on.draw(shot.with.edge, {canvas.lines_.ref()}, push, {.compare = compare}, corners_of(count),
                  corners_of(lines.all.first));

@@ -21,11 +21,7 @@ SheetPainter::SheetPainter(const gpu::Device& device, VkFormat colour, VkFormat 
 }
 
 void SheetPainter::upload(VkCommandBuffer commands, const Sheet& sheet, SheetMemory& memory) const {
-  const VkDeviceSize bytes = sheet.corners.size() * sizeof(shader::SheetCorner);
-  if (memory.corners_.data() == nullptr || memory.corners_.ref().size < bytes)
-    memory.corners_ = gpu::Upload(*device_, std::max<VkDeviceSize>(bytes + bytes / 2, 4096), "view sheet");
-  if (bytes != 0) std::memcpy(memory.corners_.data(), sheet.corners.data(), bytes);
-  memory.corners_.record(commands, bytes);
+  memory.corners_.record(commands, memory.corners_.fill(*device_, sheet.corners, "view sheet"));
 
   const bool known = memory.glyphs_.data() != nullptr && (!sheet.glyphs || memory.version_ == sheet.glyphs->version);
   if (known) return;

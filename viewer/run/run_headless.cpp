@@ -69,7 +69,7 @@ void run_headless(const ViewerOptions& options) {
   Pixels pixels;
   setup::Stopwatch watch;
   for (std::uint32_t i = 0; i < frames; ++i) {
-    if (i > 0 && show.changes()) {
+    if (i > 0 && show.picture().changes()) {
       show.go_to(options.slot + i);
       if (field) show.show_field(*field, state.slice);
       drawn.update_marks(show.picture(), state);

@@ -41,10 +41,7 @@ bool Gate::is_recent(Clock::rep when, Clock::time_point now) {
 void Gate::note(std::uint64_t slot, std::span<const array::TransducerDrive> drive, Clock::time_point now) {
   static_assert(sizeof(array::TransducerDrive) == 2 * sizeof(float));
   const bool sounds = session::sounds(drive);
-  if (sounds) {
-    last_sound_ = now.time_since_epoch().count();
-    ++sounded_;
-  }
+  if (sounds) last_sound_ = now.time_since_epoch().count();
   const std::lock_guard lock(mutex_);
   count_sound(sounds, now);
   GateCounts& counts = touch_.counts;

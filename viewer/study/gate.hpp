@@ -96,9 +96,7 @@ class Gate {
   double newest_s() const { return newest_s_; }
   /// Another session begins, whose source has another clock.
   void restart() { newest_s_ = never_s; }
-  /// How many drives that sound have passed altogether.
-  std::uint64_t sounded() const { return sounded_; }
-  /// How long they have sounded altogether, each until the drive after it came, also a silent one.
+  /// How long drives that sound have sounded altogether, each until the drive after it came, also a silent one.
   Clock::duration sounded_for() const;
 
  private:
@@ -118,7 +116,6 @@ class Gate {
   std::atomic<bool> played_{false};  ///< since the link was opened, something that sounds was passed to it
   std::atomic<bool> unsure_{false};  ///< and it is not known whether the silence after it arrived
   std::atomic<double> newest_s_{never_s};
-  std::atomic<std::uint64_t> sounded_{0};
   mutable std::mutex mutex_;
   PlayedTouch touch_;
   Clock::duration sounded_for_{};

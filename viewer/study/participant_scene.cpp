@@ -7,8 +7,6 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
-#include "sensing/rig.hpp"
-#include "setup/assets.hpp"
 #include "setup/load.hpp"
 #include "viewer/study/screens.hpp"
 
@@ -29,20 +27,12 @@ drawing::Pixels part_of(const drawing::Pixels& whole, std::uint32_t left, std::u
 }  // namespace
 
 ParticipantScene::ParticipantScene(const study::StudyPlan& plan, const setup::StudyRunOptions& run) {
-  const std::string file = run.rig.empty() ? setup::find_asset("rigs/paper.toml") : run.rig;
-  const sensing::Rig own = sensing::load_rig(file);
-  if (!own.screen)
-    throw bad_input(file, "has no [screen], on which the participant sees the marker: add one (docs/files.md)");
   const std::optional<Stereo> stereo =
       run.stereo.empty() ? std::optional(Stereo::none) : value_of(stereo_words, run.stereo);
   if (!stereo)
     throw bad_usage(fmt::format("--stereo: '{}' is not {}", printable(run.stereo, 40), one_of(stereo_words)));
-  participant_ = {.screen = *own.screen,
-                  .eyes_apart_m = run.eyes_apart_m,
-                  .stereo = *stereo,
-                  .barrier_pitch_m = run.barrier_pitch_m,
-                  .barrier_gap_m = run.barrier_gap_m,
-                  .barrier_phase = run.barrier_phase};
+  participant_ =
+      participant_before(run.rig, ", on which the participant sees the marker: add one (docs/files.md)", run, *stereo);
   for (const study::PlanShape& shape : plan.shapes)
     show_solids(pictures_.emplace_back(), setup::load_solids(shape.model));
 }

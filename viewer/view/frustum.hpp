@@ -5,6 +5,7 @@
 #include "base/math.hpp"
 #include "sensing/camera.hpp"
 #include "shaders/viewer/view_scene.h"
+#include "viewer/view/vec4.hpp"
 
 namespace palpa::viewer {
 
@@ -22,10 +23,6 @@ Frustum through(const sensing::Camera& camera);
 /// What a picture of width / height `aspect` shows, in metres one metre before the eye.
 Frustum shown(const Frustum& frustum, double aspect);
 
-/// Four floats, such as a row of a projection.
-inline shader::vec4 vec4_of(const Vec3& v, double w) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(w)};
-}
 /// The projection part of the push constants, as for a viewpoint (viewpoint.hpp). Nothing nearer than `nearest_m` is
 /// drawn.
 shader::ViewPush projection(const Frustum& frustum, double width, double height, double nearest_m);

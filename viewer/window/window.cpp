@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "gpu/check.hpp"
 
 namespace palpa::viewer {
@@ -114,15 +115,6 @@ Key key_pressed(int key, int code) {
   if (name != nullptr && name[0] > 0 && name[1] == '\0') return key_of(name[0]);
   return key >= ' ' && key < 127 ? key_of(static_cast<char>(key >= 'A' && key <= 'Z' ? key + 'a' - 'A' : key))
                                  : Key::other;
-}
-
-std::string utf8(unsigned int code) {
-  const auto byte = [](unsigned int value) { return static_cast<char>(value); };
-  if (code < 0x80) return {byte(code)};
-  if (code < 0x800) return {byte(0xc0 | code >> 6), byte(0x80 | (code & 63))};
-  if (code < 0x10000) return {byte(0xe0 | code >> 12), byte(0x80 | (code >> 6 & 63)), byte(0x80 | (code & 63))};
-  return {byte(0xf0 | code >> 18), byte(0x80 | (code >> 12 & 63)), byte(0x80 | (code >> 6 & 63)),
-          byte(0x80 | (code & 63))};
 }
 
 }  // namespace

@@ -31,6 +31,15 @@
 
 namespace palpa::setup {
 
+void add_task_options(CLI::App& app, SimulateTask& o) {
+  add_touch_options(app, o.touch);
+  add_felt_options(app, o.in_time);
+  add_rig_options(app, o.rig);
+  add_drive_options(app, o.drive, FingerMesh::known);
+  add_air_options(app, o.air);
+  add_spread_options(app, o.spread);
+}
+
 void check(const SimulateTask& options) {
   check(options.compute);
   check(options.touch);

@@ -16,6 +16,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_cache.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
+#include "base/words.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
 #include "setup/options.hpp"
@@ -26,6 +27,7 @@ namespace palpa::setup {
 
 /// The skin points of the touch: the finger's vertices, or the points that the rig's cameras see.
 enum class Skin { vertices, cameras };
+inline constexpr Word<Skin> skin_words[] = {{"vertices", Skin::vertices}, {"cameras", Skin::cameras}};
 
 /// Limit of SimulateTask::penetration_m, in both directions.
 inline constexpr double most_penetration_m = 10;
@@ -44,6 +46,8 @@ struct SimulateTask {
   AirOptions air;
   SpreadOptions spread;
 };
+/// Adds the options that it has, except for those of the finger and its skin.
+void add_task_options(CLI::App& app, SimulateTask& options);
 /// Throws bad_usage if the options do not fit together; warns of unusual values.
 void check(const SimulateTask& options);
 

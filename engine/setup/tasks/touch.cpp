@@ -21,6 +21,12 @@
 
 namespace palpa::setup {
 
+void add_task_options(CLI::App& app, TouchTask& o) {
+  add_touch_options(app, o.touch);
+  add_felt_options(app, o.felt);
+  add_array_options(app, o.array);
+}
+
 void check(const TouchTask& options, bool depth_images) {
   check(options.compute);
   check(options.touch);

@@ -33,6 +33,8 @@ struct TouchTask {
   ArrayOptions array;               ///< without a layout, nothing sounds
   session::OwnMethod own_method{};  ///< instead of the touch's method
 };
+/// Adds the options that it has.
+void add_task_options(CLI::App& app, TouchTask& options);
 /// Throws bad_usage if the options do not fit together; warns of unusual values. `depth_images`: the skin comes from
 /// depth images; a finger's width has an effect only with them.
 void check(const TouchTask& options, bool depth_images);

@@ -39,22 +39,8 @@ struct OutputOption {
 class CliAliases : public testing::Test {
  protected:
   CliAliases() {
-    fs::create_directories(folder_ / "take");
+    write_tiny_files(folder_);
     fs::create_directories(folder_ / "boards");
-    write_tetrahedron(folder_ / "corners.bin");
-    write_scene(folder_ / "scene.gltf", "c%6Frners.bin");
-    write_text(folder_ / "picture.png", "that nobody looks at");
-    fs::copy_file(source_file("assets/finger.ply"), folder_ / "finger.ply");
-    write_text(folder_ / "layout.toml", "[[transducer]]\nposition_m = [0, 0, -0.1]\naxis = [0, 0, 1]\n");
-    sensing::write_png8(folder_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
-    write_text(folder_ / "rig.toml",
-               std::string(tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
-    write_text(folder_ / "camera.toml", tiny_camera);
-    write_depth(folder_ / "depth.png");
-    write_depth(folder_ / "take/depth-0.png");
-    sensing::write_png8(folder_ / "take/mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
-    write_text(folder_ / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
-    write_recording(folder_ / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n", "mask.png");
     write_text(folder_ / "drive.csv", "index,x,y,z,nx,ny,nz,amplitude,phase\n0,0,0,-0.1,0,0,1,1,0\n");
     write_text(folder_ / "pattern.toml", "[[point]]\nposition_m = [0, 0, 0.1]\n");
     write_text(folder_ / "touch.json",

@@ -25,11 +25,4 @@ inline std::vector<std::string> cube_touch(const std::vector<std::string>& more 
               more);
 }
 
-/// What the line gives with --json.
-inline nlohmann::json touch_report(const std::vector<std::string>& line) {
-  const Result result = palpa_here(with(line, {"--json", "-"}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  return nlohmann::json::parse(result.out);
-}
-
 }  // namespace palpa::test

@@ -9,6 +9,7 @@
 
 #include "sensing/grey_png.hpp"
 #include "support/files.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 
@@ -44,6 +45,25 @@ inline void write_depth(const std::filesystem::path& png) {
 inline void write_recording(const std::filesystem::path& toml, const std::string& keys, const std::string& mask = {}) {
   write_text(toml,
              std::string(tiny_camera) + (mask.empty() ? "" : "mask = \"" + mask + "\"\n") + "[recording]\n" + keys);
+}
+
+/// A scene, a finger, a layout, a rig, a camera with its depth image, and a recording, with all files that these name.
+inline void write_tiny_files(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder / "take");
+  write_tetrahedron(folder / "corners.bin");
+  write_scene(folder / "scene.gltf", "c%6Frners.bin");
+  write_text(folder / "picture.png", "that nobody looks at");
+  std::filesystem::copy_file(source_file("assets/finger.ply"), folder / "finger.ply");
+  write_text(folder / "layout.toml", "[[transducer]]\nposition_m = [0, 0, -0.1]\naxis = [0, 0, 1]\n");
+  sensing::write_png8(folder / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+  write_text(folder / "rig.toml",
+             std::string(tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
+  write_text(folder / "camera.toml", tiny_camera);
+  write_depth(folder / "depth.png");
+  write_depth(folder / "take/depth-0.png");
+  sensing::write_png8(folder / "take/mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
+  write_text(folder / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
+  write_recording(folder / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n", "mask.png");
 }
 
 }  // namespace palpa::test

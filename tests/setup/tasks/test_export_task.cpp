@@ -1,21 +1,18 @@
-// The results of `palpa export`, called from C++: the same bytes as the command's, and foci without a file.
+// The results of `palpa export`, called from C++: links that fail, and refusals.
 #include "setup/tasks/export.hpp"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "base/outputs.hpp"
-#include "command_json.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -33,46 +30,11 @@ class ExportOf : public testing::Test {
     task.common.backend = setup::Backend::cpu;
   }
 
-  std::vector<std::string> line(const std::string& csv) const {
-    return {"export",   "--scene", task.scene,  "--source", task.source, "--rig", task.rig.rig,
-            "--frames", "6",       "--backend", "cpu",      "--foci",    csv};
-  }
-
   std::filesystem::path folder = scratch_folder("export-task");
   std::string csv = folder / "foci.csv";
   std::atomic<bool> stop{false};
   setup::ExportTask task;
 };
-
-TEST_F(ExportOf, FociWithoutAFileAreThoseOfTheCommandsFile) {
-  setup::FocusRows foci;
-  session::Link* const links[]{&foci};
-  check(task, {}, true);
-  setup::ExportRun run(task, {}, stop, links);
-  int frames = 0;
-  const setup::ExportResult result = run.run({.planned = [&](const session::FrameReport&) { ++frames; }});
-  EXPECT_FALSE(result.stopped);
-  EXPECT_EQ(frames, 6);
-  EXPECT_EQ(setup::to_json(result), command_json(line(csv)));
-  std::string text = "slot,time_s,finger,solid,focus,x,y,z,gain\n";
-  for (const setup::FocusRow& row : foci.rows()) {
-    EXPECT_EQ(row.solid, 0u);
-    fmt::format_to(std::back_inserter(text), "{},{},{},cube,{},{},{},{},{}\n", row.slot, row.time_s, row.finger,
-                   row.focus, row.position.x, row.position.y, row.position.z, row.gain);
-  }
-  EXPECT_EQ(text, read_text(csv));
-  EXPECT_GT(foci.rows().size(), 10u);
-}
-
-TEST_F(ExportOf, AFileIsTheCommands) {
-  const std::string ours = folder / "ours.csv";
-  task.foci = ours;
-  check(task, {});
-  const Outputs outputs({{"--foci", ours}});
-  const std::string json = setup::to_json(setup::ExportRun(task, {}, stop).run());
-  EXPECT_EQ(json, command_json(line(csv)));
-  EXPECT_EQ(read_text(ours), read_text(csv));
-}
 
 TEST_F(ExportOf, AStoppedRunWritesNoFile) {
   task.foci = csv;

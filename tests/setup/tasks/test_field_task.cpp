@@ -1,19 +1,12 @@
-// The results of `palpa field`, called from C++: the same bytes as the command's, from files and from values.
+// `palpa field`, called from C++, from files and from values.
 #include "setup/tasks/field.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
-#include <vector>
 
 #include "array/layouts/layout.hpp"
-#include "command_json.hpp"
-#include "setup/drive_file.hpp"
-#include "setup/tasks/drive.hpp"
-#include "support/device.hpp"
-#include "support/files.hpp"
-#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {
@@ -33,70 +26,6 @@ FieldTask task_of(const std::string& layout) {
   FieldTask task;
   task.layout = layout;
   return task;
-}
-
-array::Drive drive_to(const array::Layout& layout, const Vec3& focus) {
-  return setup::make_drive(layout, std::vector<setup::AskedFocus>{{focus}}, {}).drive;
-}
-
-TEST(FieldTask, OfAFocusIsTheCommands) {
-  const array::Layout layout = array::load_layout("openmpd");
-  const array::Drive drive = drive_to(layout, {0, 0, 0.15});
-  const std::vector<std::string> line{"field",    "--layout",  "openmpd", "--focus",   "0,0,150mm", "--plane", "xz",
-                                      "--centre", "0,0,120mm", "--size",  "60mm,80mm", "--pixels",  "15,20"};
-  FieldTask task = task_of("openmpd");
-  task.foci = {"0,0,150mm"};
-  task.place.plane = setup::Plane::xz;
-  task.place.centre = "0,0,120mm";
-  task.place.size = "60mm,80mm";
-  task.place.pixels = "15,20";
-  for (const setup::Backend backend : {setup::Backend::cpu, setup::Backend::gpu}) {
-    const bool host = backend == setup::Backend::cpu;
-    setup::CommonOptions common;
-    common.backend = backend;
-    bool read = false;
-    const setup::FieldResult of_files = setup::sum_field(task, common, [&] { read = true; });
-    EXPECT_TRUE(read);
-    EXPECT_EQ(of_files.foci.size(), 1u);
-    const setup::FieldResult of_values = setup::sum_field(layout, drive, setup::plane_places(grid), usual_air(),
-                                                          array::Directivity::t4010a1, host ? nullptr : &test_device());
-    EXPECT_EQ(of_values.pressures, of_files.pressures);
-    EXPECT_EQ(of_values.pressures.size(), 300u);
-    const std::string json = command_json(with(line, {"--backend", host ? "cpu" : "gpu"}));
-    EXPECT_EQ(untimed(setup::to_json(of_files)), json);
-    EXPECT_EQ(untimed(setup::to_json(of_values)), json);
-  }
-}
-
-TEST(FieldTask, OfADriveOnALineAndAtPointsIsTheCommands) {
-  const array::Layout layout = array::load_layout("autd3");
-  const array::Drive drive = drive_to(layout, {0, 0, 0.2});
-  const std::filesystem::path folder = scratch_folder("field-task");
-  const std::string file = folder / "drive.csv", points = folder / "points.ply";
-  write_text(file, setup::drive_csv(layout, drive));
-  write_text(points,
-             "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
-             "end_header\n0.01 0.02 0.2\n-0.01 0 0.1\n");
-  FieldTask line = task_of("autd3"), of_file = task_of("autd3");
-  line.drive_file = of_file.drive_file = file;
-  line.place.line = {"0,0,0.1", "0,0,0.3"};
-  line.place.samples = 11;
-  of_file.place.points = points;
-  const struct {
-    FieldTask task;
-    Places places;
-    std::vector<std::string> arguments;
-  } cases[]{
-      {line, setup::line_places({0, 0, 0.1}, {0, 0, 0.3}, 11), {"--line", "0,0,0.1", "0,0,0.3", "--samples", "11"}},
-      {of_file, setup::point_places({{0.01, 0.02, 0.2}, {-0.01, 0, 0.1}}), {"--points", points}}};
-  setup::CommonOptions host;
-  host.backend = setup::Backend::cpu;
-  for (const auto& [task, places, arguments] : cases) {
-    const std::string json =
-        command_json(with({"field", "--layout", "autd3", "--drive", file, "--backend", "cpu"}, arguments));
-    EXPECT_EQ(untimed(setup::to_json(sum_field(task, host))), json);
-    EXPECT_EQ(untimed(setup::to_json(sum_field(layout, drive, places, usual_air()))), json);
-  }
 }
 
 TEST(FieldTask, RefusesDrivesAndPlacesOutOfRange) {

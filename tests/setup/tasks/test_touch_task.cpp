@@ -1,4 +1,4 @@
-// setup/tasks/touch.hpp: the same bytes as `palpa touch`, from values in memory as well as from files.
+// setup/tasks/touch.hpp: skin from memory, and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "command_json.hpp"
 #include "geometry/files/ply.hpp"
 #include "setup/load.hpp"
 #include "setup/tasks/touch.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "untimed.hpp"
 
 namespace palpa::test {
 namespace {
@@ -33,44 +33,6 @@ setup::TouchResult touch(const setup::TouchTask& options, double penetration_m) 
   input.penetration_m = penetration_m;
   const setup::TouchInput skin = setup::load_touch_input(input, solids);
   return setup::touch_scene(options, cube(), std::move(solids), skin);
-}
-
-std::vector<std::string> command(const std::vector<std::string>& more) {
-  return with({"touch", "--scene", cube(), "--points", finger(), "--penetration", "3mm"}, more);
-}
-
-TEST(TouchTask, HasTheCommandsBytes) {
-  setup::TouchTask options;
-  options.compute.backend = setup::Backend::cpu;
-  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu"}));
-  options.compute.backend = setup::Backend::gpu;
-  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "gpu"}));
-  options.compute.backend = setup::Backend::cpu;
-  options.array.layout = "openmpd";
-  options.touch.method.method = touch::Method::multi_focus;
-  options.array.drive.pressure_pa = 1000;
-  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu", "--layout", "openmpd", "--method",
-                                                           "multi-focus", "--pressure", "1000"}));
-}
-
-TEST(TouchTask, SpectrumAndTuningHaveTheCommandsBytesToo) {
-  setup::TouchTask options;
-  options.compute.backend = setup::Backend::cpu;
-  options.felt.spectrum = options.touch.tune = true;
-  const setup::TouchResult result = touch(options, 3e-3);
-  ASSERT_EQ(result.spectra.size(), 1u);
-  expect_same_json(to_json(result), command({"--backend", "cpu", "--spectrum", "--tune"}));
-}
-
-TEST(TouchTask, ItsTableIsTheCommands) {
-  const std::string csv = scratch_folder("touch-task") / "contacts.csv";
-  ASSERT_EQ(palpa(command({"--backend", "cpu", "--csv", csv})).exit_code, 0);
-  setup::TouchTask options;
-  options.compute.backend = setup::Backend::cpu;
-  const setup::TouchResult result = touch(options, 3e-3);
-  EXPECT_EQ(to_csv(result), read_text(csv));
-  EXPECT_TRUE(result.pressures.empty());
-  EXPECT_FALSE(result.beyond_linear());
 }
 
 TEST(TouchTask, TakesSkinFromMemory) {

@@ -1,14 +1,13 @@
 #include "touch/fingers/finger_scenes.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
 #include "assets/generators/hand.hpp"
-#include "sensing/rig.hpp"
+#include "sensing/synthetic.hpp"
 #include "support/hand_skin.hpp"
-#include "support/shared_data.hpp"
+#include "touch/fingertips.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {
@@ -18,7 +17,6 @@ using palpa::test::finger_skin;
 using palpa::test::hand_skin;
 using palpa::test::pressed;
 using palpa::test::rotation;
-using palpa::test::source_file;
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -28,18 +26,8 @@ std::vector<sensing::Camera> ring(std::mt19937& random, int count) {
   const auto between = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  const double around = between(0, 360), up = radians(between(-60, -25)), distance = between(0.4, 0.6);
-  std::vector<sensing::Camera> cameras;
-  for (int i = 0; i < count; ++i) {
-    const double a = radians(around + 360.0 * i / count);
-    const Vec3 eye = distance * Vec3(std::cos(up) * std::cos(a), std::sin(up), std::cos(up) * std::sin(a));
-    const Vec3 forward = -glm::normalize(eye), right = glm::normalize(glm::cross(forward, Vec3(0, 1, 0)));
-    sensing::Camera camera = sensing::load_rig(source_file("assets/rigs/paper.toml")).cameras.at(0);
-    camera.T_world_camera =
-        Transform(Vec4(right, 0), Vec4(glm::cross(forward, right), 0), Vec4(forward, 0), Vec4(eye, 1));
-    cameras.push_back(camera);
-  }
-  return cameras;
+  const double around = between(0, 360), up = between(-60, -25), distance = between(0.4, 0.6);
+  return ring_of_cameras(count, up, around, distance);
 }
 
 std::vector<Vec3> some_of(const geometry::Mesh& mesh, const Transform& T) {

@@ -74,5 +74,17 @@ TEST(SceneWatch, AFileIsReadAgainOnceItHasSettled) {
     EXPECT_FALSE(watch.look(another, ++now_s)) << another;
 }
 
+TEST(SceneWatch, TheFileBesideAGltfIsOneOfItsFiles) {
+  const fs::path scene = test::scratch_folder("viewer-scene-beside") / "scene.gltf",
+                 beside = fs::path(scene).replace_extension(".bin");
+  test::write_text(scene, "1");
+  test::write_text(beside, "2");
+  SceneWatch watch;
+  EXPECT_FALSE(watch.look(scene, 0));
+  fs::last_write_time(beside, fs::last_write_time(beside) + 1s);
+  EXPECT_FALSE(watch.look(scene, 1));
+  EXPECT_TRUE(watch.look(scene, 2));
+}
+
 }  // namespace
 }  // namespace palpa::viewer

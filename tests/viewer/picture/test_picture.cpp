@@ -95,12 +95,12 @@ TEST(Picture, CamerasAreFrustaInTheWorld) {
   sensing::Camera camera = test::pinhole("left", 800, 400, 400);
   camera.T_world_camera[3] = Vec4(1, 2, 3, 1);
   Picture picture;
-  show_cameras(picture, std::span(&camera, 1), 0.1);
+  show_cameras(picture, std::span(&camera, 1));
   ASSERT_EQ(picture.cameras.size(), 1u);
   EXPECT_EQ(picture.cameras[0].apex, glm::vec3(1, 2, 3));
-  EXPECT_NEAR(picture.cameras[0].corners[0].x, 1 - 0.1, 1e-6);
-  EXPECT_NEAR(picture.cameras[0].corners[2].y, 2 + 0.05, 1e-6);
-  EXPECT_NEAR(picture.cameras[0].corners[1].z, 3.1, 1e-6);
+  EXPECT_NEAR(picture.cameras[0].corners[0].x, 1 - 0.08, 1e-6);
+  EXPECT_NEAR(picture.cameras[0].corners[2].y, 2 + 0.04, 1e-6);
+  EXPECT_NEAR(picture.cameras[0].corners[1].z, 3.08, 1e-6);
 }
 
 TEST(Picture, ExtentsGrowFromTouchToAll) {

@@ -42,7 +42,7 @@ Picture everything() {
   picture.boards.push_back({glm::vec3(-0.04, -0.03, 0), {-0.02, -0.03, 0}, {-0.02, -0.01, 0}, {-0.04, -0.01, 0}});
   sensing::Camera camera = test::pinhole("one", 8, 8, 16);
   camera.T_world_camera[3] = Vec4(0.03, 0, 0, 1);
-  show_cameras(picture, std::span(&camera, 1), 0.04);
+  show_cameras(picture, std::span(&camera, 1));
   const sensing::DepthFrame frame{std::vector<std::uint16_t>(64, 300), 0};
   show_depth(picture, std::span(&camera, 1), std::span(&frame, 1));
   return picture;

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <map>
 #include <regex>
 #include <set>
 #include <string>
@@ -27,22 +26,9 @@ using test::write_text;
 class ViewerFiles : public testing::Test {
  protected:
   ViewerFiles() {
-    fs::create_directories(folder_ / "take");
-    test::write_tetrahedron(folder_ / "corners.bin");
-    test::write_scene(folder_ / "scene.gltf", "corners.bin");
-    write_text(folder_ / "picture.png", "that nobody looks at");
-    fs::copy_file(test::source_file("assets/finger.ply"), folder_ / "finger.ply");
-    fs::copy_file(test::source_file("assets/finger.ply"), folder_ / "skin.ply");
+    test::write_tiny_files(folder_);
+    fs::copy_file(folder_ / "finger.ply", folder_ / "skin.ply");
     fs::copy_file(test::source_file("assets/rigs/paper.toml"), folder_ / "screen.toml");
-    write_text(folder_ / "layout.toml", "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
-    sensing::write_png8(folder_ / "mask.png", 8, 4, std::vector<std::uint8_t>(32, 1));
-    write_text(folder_ / "rig.toml",
-               std::string(test::tiny_camera) + "mask = \"mask.png\"\n[array]\nlayout = \"layout.toml\"\n");
-    write_text(folder_ / "camera.toml", test::tiny_camera);
-    test::write_depth(folder_ / "depth.png");
-    test::write_depth(folder_ / "take/depth-0.png");
-    write_text(folder_ / "take/times.csv", "sequence,time_0_s\n0,0.5\n");
-    test::write_recording(folder_ / "take/recording.toml", "files = [\"depth-%d.png\"]\ntimes = \"times.csv\"\n");
     write_text(folder_ / "reference.png", "that is compared");
     write_text(folder_ / "old", "what was");
   }
@@ -55,13 +41,6 @@ class ViewerFiles : public testing::Test {
     fs::create_symlink(path(file), path("soft"));
     return path("soft");
   }
-  std::map<fs::path, std::string> contents() const {
-    std::map<fs::path, std::string> all;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-      if (entry.is_regular_file()) all[entry.path()] = test::read_text(entry.path());
-    }
-    return all;
-  }
   /// Runs a test's first line with the program, and the others in this process.
   test::Result viewer(const std::vector<std::string>& words) {
     const std::vector<std::string> line = with(words, {"--headless", "--size", "64x48"});
@@ -72,11 +51,11 @@ class ViewerFiles : public testing::Test {
   /// Rejected, and all files are unchanged.
   void expect_refused(const std::vector<std::string>& words, const std::string& part, int code = 2) {
     SCOPED_TRACE(words[words.size() - 2] + " " + words.back());
-    const auto before = contents();
+    const auto before = test::contents_of(folder_);
     const test::Result result = viewer(words);
     EXPECT_EQ(result.exit_code, code) << result.err;
     EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
-    EXPECT_TRUE(contents() == before);
+    EXPECT_TRUE(test::contents_of(folder_) == before);
   }
   /// A script with these lines.
   std::string script(const std::string& lines) const {

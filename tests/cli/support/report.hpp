@@ -1,0 +1,21 @@
+// What a command reports as JSON.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/support/here.hpp"
+
+namespace palpa::test {
+
+/// What the line gives with --json, or nothing if it fails.
+inline nlohmann::json report_of(const std::vector<std::string>& line) {
+  const Result result = palpa_here(with(line, {"--json", "-"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return result.exit_code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
+}
+
+}  // namespace palpa::test
