@@ -42,15 +42,15 @@ std::vector<std::string> command(const std::vector<std::string>& more) {
 TEST(TouchTask, HasTheCommandsBytes) {
   setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
-  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu"}));
+  expect_same_json(to_json(touch(options, 3e-3).values), command({"--backend", "cpu"}));
   options.compute.backend = setup::Backend::gpu;
-  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "gpu"}));
+  expect_same_json(to_json(touch(options, 3e-3).values), command({"--backend", "gpu"}));
   options.compute.backend = setup::Backend::cpu;
   options.array.layout = "openmpd";
   options.touch.method.method = touch::Method::multi_focus;
   options.array.drive.pressure_pa = 1000;
-  expect_same_json(to_json(touch(options, 3e-3)), command({"--backend", "cpu", "--layout", "openmpd", "--method",
-                                                           "multi-focus", "--pressure", "1000"}));
+  expect_same_json(to_json(touch(options, 3e-3).values), command({"--backend", "cpu", "--layout", "openmpd", "--method",
+                                                                  "multi-focus", "--pressure", "1000"}));
 }
 
 TEST(TouchTask, SpectrumAndTuningHaveTheCommandsBytesToo) {
@@ -58,8 +58,8 @@ TEST(TouchTask, SpectrumAndTuningHaveTheCommandsBytesToo) {
   options.compute.backend = setup::Backend::cpu;
   options.felt.spectrum = options.touch.tune = true;
   const setup::TouchResult result = touch(options, 3e-3);
-  ASSERT_EQ(result.spectra.size(), 1u);
-  expect_same_json(to_json(result), command({"--backend", "cpu", "--spectrum", "--tune"}));
+  ASSERT_EQ(result.values.spectra.size(), 1u);
+  expect_same_json(to_json(result.values), command({"--backend", "cpu", "--spectrum", "--tune"}));
 }
 
 TEST(TouchTask, ItsTableIsTheCommands) {
@@ -68,8 +68,8 @@ TEST(TouchTask, ItsTableIsTheCommands) {
   setup::TouchTask options;
   options.compute.backend = setup::Backend::cpu;
   const setup::TouchResult result = touch(options, 3e-3);
-  EXPECT_EQ(to_csv(result), read_text(csv));
-  EXPECT_TRUE(result.pressures.empty());
+  EXPECT_EQ(to_csv(result.values), read_text(csv));
+  EXPECT_TRUE(result.values.pressures.empty());
   EXPECT_FALSE(result.beyond_linear());
 }
 
@@ -84,9 +84,9 @@ TEST(TouchTask, TakesSkinFromMemory) {
   options.compute.backend = setup::Backend::cpu;
   const setup::TouchResult result =
       setup::touch_scene(options, cube(), std::move(solids), setup::skin_points("skin", points));
-  EXPECT_EQ(result.points, points.size());
+  EXPECT_EQ(result.values.points, points.size());
   EXPECT_EQ(result.touch().finger_count, 1u);
-  EXPECT_EQ(untimed(to_json(result)), untimed(to_json(touch(options, 3e-3))));
+  EXPECT_EQ(untimed(to_json(result.values)), untimed(to_json(touch(options, 3e-3).values)));
   points[5].x = 1e39;
   EXPECT_REFUSED(setup::skin_points("skin", points), "skin: vertex 5");
 }
@@ -97,7 +97,7 @@ TEST(TouchTask, NothingTouchedIsNoError) {
   options.array.layout = "openmpd";
   const setup::TouchResult result = touch(options, -1e-3);
   EXPECT_TRUE(result.touch().contacts.empty());
-  EXPECT_TRUE(result.pressures.empty());
+  EXPECT_TRUE(result.values.pressures.empty());
   EXPECT_FALSE(result.unreached);
 }
 
