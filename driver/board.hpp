@@ -16,7 +16,7 @@
 
 #include <poll.h>
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -53,8 +53,12 @@ struct BoardSpec {
   double ramp_s = 0;  ///< the time of a change from drive to drive, if the board can and the slot allows; 0: none
 };
 
-inline bool all_zero(std::span<const array::TransducerDrive> drive) {
-  return std::all_of(drive.begin(), drive.end(), [](const auto& t) { return t.amplitude == 0; });
+/// How many boards of a type, of `each` transducers, the layout consists of; 0 if it has anything else.
+inline std::size_t boards_of_type(const array::Layout& layout, std::string_view type, std::size_t each) {
+  std::size_t boards = 0;
+  for (const array::Board& board : layout.boards)
+    boards += board.type == type && board.count == each && board.first == boards * each ? 1 : 0;
+  return boards * each == layout.transducers.size() ? boards : 0;
 }
 
 /// The slots of a plan on a clock that the loop and its guard share.

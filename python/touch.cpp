@@ -120,9 +120,9 @@ std::shared_ptr<TouchObject> touch_scene(const SceneObject& scene, const py::obj
   check(o.task, !input.cameras.empty());
   const auto compute = [&] {
     o.task.compute.device = setup::kept_device(o.common);
-    const setup::TouchResult result = setup::touch_scene(o.task, scene.name(), scene.solids, input, begin);
+    setup::TouchResult result = setup::touch_scene(o.task, scene.name(), scene.solids, input, begin);
     if (result.unreached && !own.fault) log::warning(*result.unreached);
-    return std::make_shared<TouchObject>(TouchObject{values_of(result), 0, result.unreached});
+    return std::make_shared<TouchObject>(TouchObject{std::move(result.values), 0, result.unreached});
   };
   // Ctrl-C needs another thread, which costs more time than a small touch.
   constexpr std::size_t few_points = 100'000;

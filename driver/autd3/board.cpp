@@ -31,10 +31,7 @@ double day_at_zero_s() {
 }
 
 void check(const array::Layout& layout) {
-  std::size_t covered = 0;
-  for (const array::Board& board : layout.boards)
-    covered += board.type == "autd3" && board.count == transducers && board.first == covered ? board.count : 0;
-  if (covered == 0 || covered != layout.transducers.size())
+  if (boards_of_type(layout, "autd3", transducers) == 0)
     throw bad_input("layout " + layout.name, "link autd3 drives AUTD3 units only, such as those of autd3 and paper");
 }
 
@@ -75,7 +72,7 @@ class Autd3Board final : public Board {
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     const Pattern& pattern = fresh_ ? newest_ : loading_;
     const bool patterned = !pattern.empty() && slot < pattern.until_slot();
-    if (all_zero(drive)) {
+    if (!session::sounds(drive)) {
       silence();
     } else if (patterned) {
       if (std::exchange(sounding_, true) == false && !fresh_) place_ = 0;  // a silenced pattern is sent again

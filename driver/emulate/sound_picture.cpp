@@ -11,6 +11,7 @@
 
 #include "acoustics/air.hpp"
 #include "base/math.hpp"
+#include "session/links/hand_over.hpp"
 
 namespace palpa::driver::emulate {
 namespace {
@@ -54,7 +55,7 @@ std::vector<double> SoundPicture::pressures(std::span<const Vec3> points,
 
 Loudest SoundPicture::loudest(std::span<const array::TransducerDrive> drive) const {
   Loudest found;
-  if (std::all_of(drive.begin(), drive.end(), [](const auto& one) { return one.amplitude == 0; })) return found;
+  if (!session::sounds(drive)) return found;
   Vec3 low = low_, high = high_;
   for (double step = coarse; step > 4e-5; step /= 5) {
     const std::vector<Vec3> points = grid(low, high, step);

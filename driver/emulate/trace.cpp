@@ -40,12 +40,7 @@ void UsbTrace::begin(double now_s, const char* kind) {
 }
 
 void UsbTrace::end(std::span<const std::uint8_t> bytes) {
-  constexpr char digits[] = "0123456789abcdef";
-  hex_.clear();
-  for (const std::uint8_t byte : bytes) {
-    hex_ += digits[byte >> 4];
-    hex_ += digits[byte & 15];
-  }
+  put_hex(hex_, bytes);
   if (!hex_.empty()) json_.key("hex").value(hex_);
   json_.end_object();
   file_.write(json_.finish());

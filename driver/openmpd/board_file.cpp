@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <system_error>
@@ -12,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 
 namespace palpa::driver::openmpd {
 namespace {
@@ -39,14 +39,13 @@ class Tokens {
   }
   double number(std::string_view wanted, double low, double high) {
     const std::string_view token = next(wanted);
-    double value = 0;
-    const auto [end, code] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (code != std::errc{} || end != token.data() + token.size() || !(value >= low && value <= high)) {
+    const std::optional<double> value = parse_number(token);
+    if (!value || *value < low || *value > high) {
       // Until it is recognised as a board file, it may be any file, and nothing of it must be shown.
       const std::string there = recognised_ ? fmt::format("\"{}\"", printable(token, 40)) : "something else";
       throw fault(fmt::format("expected {}, a number from {} to {}; found {}", wanted, low, high, there));
     }
-    return value;
+    return *value;
   }
   int whole(std::string_view wanted, int low, int high) {
     const double value = number(wanted, low, high);

@@ -42,12 +42,9 @@ Port parse_port(const std::string& argument) {
 }
 
 std::size_t boards_of(const array::Layout& layout, Firmware firmware) {
-  std::size_t covered = 0;
-  for (const array::Board& board : layout.boards)
-    covered += board.type == "sonicsurface" && board.count == transducers && board.first == covered ? transducers : 0;
   const std::size_t most = firmware == Firmware::plain ? 2 : 1;
-  const std::size_t boards = covered / transducers;
-  if (boards == 0 || boards > most || covered != layout.transducers.size()) {
+  const std::size_t boards = boards_of_type(layout, "sonicsurface", transducers);
+  if (boards == 0 || boards > most) {
     throw bad_input("layout " + layout.name,
                     fmt::format("link sonicsurface drives {} of type sonicsurface, and nothing else",
                                 most == 2 ? "one or two boards" : "one board (tactile firmware)"));
@@ -85,7 +82,7 @@ class SonicSurface final : public Board {
 
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     const bool still = has_still_ && slot < until_slot_;
-    if (all_zero(drive)) {
+    if (!session::sounds(drive)) {
       silence();
     } else if (still) {
       sounding_ = true;

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "base/units.hpp"
+
 namespace palpa::driver::v4l2 {
 namespace {
 
@@ -29,10 +31,7 @@ Number read_number(const fs::path& file, int base) {
 int node_number(const std::string& name) {
   constexpr std::string_view stem = "video";
   if (!name.starts_with(stem)) return -1;
-  int number = -1;
-  const char* end = name.data() + name.size();
-  const auto [rest, fault] = std::from_chars(name.data() + stem.size(), end, number);
-  return fault == std::errc{} && rest == end ? number : -1;
+  return parse_whole<int>(std::string_view(name).substr(stem.size())).value_or(-1);
 }
 
 /// Fills in the values from the folders above a USB interface: the device, its bus, the bus's controller.

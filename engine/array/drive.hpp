@@ -41,15 +41,11 @@
 #include "array/solvers/gs_pat.hpp"
 #include "array/transfer.hpp"
 #include "base/math.hpp"
-#include "base/words.hpp"
 
 namespace palpa::array {
 
 /// How several foci share the array.
 enum class Solver { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation };
-inline constexpr Word<Solver> solver_words[] = {
-    {"naive", Solver::naive},     {"gs-pat", Solver::gs_pat},         {"greedy", Solver::greedy},
-    {"loudest", Solver::loudest}, {"eigenvalue", Solver::eigenvalue}, {"back-propagation", Solver::back_propagation}};
 
 /// `loudest` is gs_pat with more care.
 constexpr bool is_gs_pat(Solver solver) {

@@ -300,4 +300,12 @@ std::span<const TransducerDrive> DriveMemory::drive(std::uint32_t slot) const {
       .subspan(static_cast<std::size_t>(found - host_numbers_.begin()) * transducers, transducers);
 }
 
+void compute_drives(DriveMemory& memory, const DrivePasses& passes, const gpu::Recorder& recorder,
+                    gpu::Timeline& timeline) {
+  memory.record(recorder.begin(), passes);
+  const std::uint64_t submitted = timeline.submit(recorder.end());
+  memory.solve_on_host();
+  timeline.wait(submitted);
+}
+
 }  // namespace palpa::array

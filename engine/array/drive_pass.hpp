@@ -13,6 +13,7 @@
 #include "array/slot_drives.hpp"
 #include "array/solver_pass.hpp"
 #include "gpu/buffer.hpp"
+#include "gpu/commands.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/texel_view.hpp"
 #include "shaders/array/drive/drive.h"
@@ -145,6 +146,10 @@ class DriveMemory {
   bool add_host_slot(std::span<const SlotFocus> foci, std::span<const std::complex<double>> factors);
   void add_focus(const SlotFocus& focus, float gain);
 };
+
+/// Computes the slots that were added to `memory`, and waits for their drives.
+void compute_drives(DriveMemory& memory, const DrivePasses& passes, const gpu::Recorder& recorder,
+                    gpu::Timeline& timeline);
 
 /// A place in the form that the shaders need. `w` components are left 0.
 shader::DrivePoint drive_point(const Vec3& metres, double turns_per_metre);

@@ -1,8 +1,11 @@
 // Quantities in the form that users type: "1.5mm", "11ms", "40kHz". Everything inside palpa is SI; a bare number is SI.
 #pragma once
 
+#include <charconv>
+#include <concepts>
 #include <optional>
 #include <string_view>
+#include <system_error>
 
 namespace palpa {
 
@@ -10,6 +13,15 @@ enum class Quantity { length, time, frequency, speed, pressure };
 
 /// The finite number that the whole `text` represents.
 std::optional<double> parse_number(std::string_view text);
+
+/// The whole number that the whole `text` represents, if T can hold it.
+template <std::integral T>
+std::optional<T> parse_whole(std::string_view text) {
+  T value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, value);
+  return fault == std::errc{} && rest == end ? std::optional(value) : std::nullopt;
+}
 
 /// The value in metres, seconds, hertz, metres per second or pascals. Units: m cm mm um; s ms us; Hz kHz MHz; m/s; Pa
 /// kPa.

@@ -1,10 +1,14 @@
 #include "bench/bench.hpp"
 
+#include <fmt/core.h>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <string_view>
 #include <utility>
+
+#include "base/error.hpp"
+#include "base/now.hpp"
 
 namespace palpa::bench {
 
@@ -23,15 +27,14 @@ Row make_row(std::string suite, std::string name, std::string stage, std::vector
 
 std::vector<double> time_runs(const Context& context, const std::string& what, std::uint32_t most,
                               const std::function<void()>& work) {
-  using Clock = std::chrono::steady_clock;
   constexpr std::size_t few = 3;
   const double enough_ms = context.runs;
   std::vector<double> samples;
   double total_ms = 0;
   while (samples.size() < most && (total_ms < enough_ms || (samples.size() < few && total_ms < few * enough_ms))) {
-    const auto begin = Clock::now();
+    const double begin_ms = now_ms();
     work();
-    samples.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
+    samples.push_back(now_ms() - begin_ms);
     total_ms += samples.back();
     context.progress(what, samples.size(), most);
   }
@@ -39,12 +42,32 @@ std::vector<double> time_runs(const Context& context, const std::string& what, s
   return samples;
 }
 
-std::uint64_t peak_resident_bytes() {
+void wrong(const std::string& what) {
+  throw failure(fmt::format("bench: {}; nothing was timed", what));
+}
+
+void twins_disagree(const std::string& name) {
+  wrong(name + ": device and C++ twin disagree");
+}
+
+namespace {
+
+std::uint64_t bytes_in_status(std::string_view key) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+    if (line.starts_with(key)) return std::stoull(line.substr(key.size())) * 1024;
   }
   return 0;
+}
+
+}  // namespace
+
+std::uint64_t resident_bytes() {
+  return bytes_in_status("VmRSS:");
+}
+
+std::uint64_t peak_resident_bytes() {
+  return bytes_in_status("VmHWM:");
 }
 
 }  // namespace palpa::bench

@@ -56,7 +56,12 @@ void measure_methods(const Context& context, std::vector<Row>& rows);
 /// three-camera frame compared with those of the cube.
 void measure_surface(const Context& context, std::vector<Row>& rows);
 
-/// Highest resident memory of this process so far, in bytes.
+/// Resident memory of this process now, and the highest so far, in bytes.
+std::uint64_t resident_bytes();
 std::uint64_t peak_resident_bytes();
+
+/// Throws failure(): a result is wrong, so its time would mean nothing.
+[[noreturn]] void wrong(const std::string& what);
+[[noreturn]] void twins_disagree(const std::string& name);
 
 }  // namespace palpa::bench

@@ -23,10 +23,6 @@
 namespace palpa::bench {
 namespace {
 
-[[noreturn]] void wrong(const std::string& what) {
-  throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", what));
-}
-
 /// The times of each pass over many runs.
 class StageSamples {
  public:
@@ -115,7 +111,7 @@ void measure_frame(const Context& context, const std::string& name, const std::v
   session::Session session(context.device, setting), expected(setting);
   session.touch(frame.frames, 0);
   expected.touch(frame.frames, 0);
-  if (!same_drives(session.plan(), expected.plan())) wrong(name);
+  if (!same_drives(session.plan(), expected.plan())) twins_disagree(name);
 
   measure_runs(context, "loop", name, rows, [&](std::uint32_t run) {
     session.touch(frame.frames, run / 90.0, std::uint64_t{7} * run);
@@ -165,10 +161,7 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
     for (const auto& slot : foci) {
       if (!buffers.add_slot(slot)) throw failure("bench: the batch does not fit the device's buffers");
     }
-    buffers.record(recorder.begin(), passes);
-    timeline.submit(recorder.end());
-    buffers.solve_on_host();
-    timeline.wait(timeline.last());
+    array::compute_drives(buffers, passes, recorder, timeline);
   };
   batch();
   for (const std::uint32_t slot : {0u, slots / 2, slots - 1}) {
@@ -179,7 +172,7 @@ void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t fo
       // The phase of a sum that is almost zero is meaningless.
       if (std::abs(drive[i].amplitude - expected[i].amplitude) > 1e-3 ||
           (expected[i].amplitude > 0.05 && std::abs(turn) > 2e-2)) {
-        wrong(name);
+        twins_disagree(name);
       }
     }
   }
@@ -199,7 +192,7 @@ void measure_stage(const Context& context, const std::string& name, const std::v
   touch::Stage stage(passes, solids, cameras, setting), host(solids, cameras, setting);
   host.touch(skin, expected);
   stage.touch(skin, found);
-  if (!same_foci(found, expected)) wrong(name);
+  if (!same_foci(found, expected)) twins_disagree(name);
   measure_runs(context, "touch", name, rows, [&](std::uint32_t run) {
     stage.touch(skin, found, run / 90.0);
     return stage.times();

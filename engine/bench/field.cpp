@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <span>
@@ -13,7 +12,7 @@
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "base/error.hpp"
+#include "base/now.hpp"
 #include "bench/bench.hpp"
 
 namespace palpa::bench {
@@ -60,16 +59,15 @@ double error_of(std::span<const Complex> pressures, std::span<const Vec3> points
 
 void check_within(const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  throw failure(fmt::format("bench: {} is {:.4g}, not {:.4g} to {:.4g}; nothing was timed", what, value, least, most));
+  wrong(fmt::format("{} is {:.4g}, not {:.4g} to {:.4g}", what, value, least, most));
 }
 
 /// The width of foci and the force of one, compared with published values of such arrays
 /// (docs/notes/field-numbers.md).
 void measure_foci(std::vector<Row>& rows) {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin_ms = now_ms();
   const auto row = [&](const char* name, std::string note) {
-    const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
-    rows.push_back(make_row("acoustics", name, "focus", {taken.count()}));
+    rows.push_back(make_row("acoustics", name, "focus", {now_ms() - begin_ms}));
     rows.back().note = std::move(note);
   };
   const acoustics::Air air = acoustics::air_of({});
@@ -118,16 +116,13 @@ void measure_field(const Context& context, std::vector<Row>& rows) {
     const auto measure = [&](const char* stage, const auto& sum) {
       sum();
       const double error = error_of(pressures, points, layout, drive, air, which.directivity);
-      if (!(error <= most_error)) {
-        throw failure(fmt::format("bench: {}, {}: off by {:.1e} of the sum in doubles; nothing was timed", which.name,
-                                  stage, error));
-      }
+      if (!(error <= most_error))
+        wrong(fmt::format("{}, {}: off by {:.1e} of the sum in doubles", which.name, stage, error));
       std::vector<double> samples;
       for (std::uint32_t run = 0; run < runs; ++run) {
-        const auto begin = std::chrono::steady_clock::now();
+        const double begin_ms = now_ms();
         sum();
-        const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
-        samples.push_back(taken.count());
+        samples.push_back(now_ms() - begin_ms);
         context.progress(fmt::format("{}, {}", which.name, stage), run + 1, runs);
       }
       Row row = make_row("acoustics", which.name, stage, samples);

@@ -1,12 +1,12 @@
 // The cost of the methods and of tuning on the host, for one finger of a frame.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <glm/geometric.hpp>
 
 #include "acoustics/felt/tune.hpp"
 #include "acoustics/field/array_field.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"
 #include "session/plan/voice.hpp"
@@ -22,13 +22,12 @@ namespace {
 template <typename Work>
 Row timed(const Context& context, const std::string& name, const std::string& stage, Work work,
           std::uint32_t batch = 20) {
-  using Clock = std::chrono::steady_clock;
   std::vector<double> samples;
   for (std::uint32_t run = 0; run < context.runs; ++run) {
-    const auto begin = Clock::now();
+    const double begin_ms = now_ms();
     for (std::uint32_t i = 0; i < batch; ++i)
       work();
-    samples.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count() / batch);
+    samples.push_back((now_ms() - begin_ms) / batch);
     context.progress(name, run + 1, context.runs);
   }
   return make_row("touch", name, stage, samples);
@@ -55,7 +54,7 @@ void measure_methods(const Context& context, std::vector<Row>& rows) {
     points.emplace_back(p.x, p.y - 0.003, p.z);
   touch::Touch touch;
   touch::Stage(setup::load_solids(setup::find_asset("cube.glb"), {})).touch(sensing::numbered(points), touch);
-  if (touch.finger_count != 1) throw failure("bench: the finger does not touch the cube; nothing was timed");
+  if (touch.finger_count != 1) wrong("the finger does not touch the cube");
   const touch::Finger& finger = touch.fingers[0];
   const std::string name = fmt::format("{} contacts", finger.contact_count);
   touch::Placement placement;

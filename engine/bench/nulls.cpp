@@ -19,7 +19,6 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/nulls.hpp"
-#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "bench/bench.hpp"
 
@@ -137,8 +136,8 @@ void measure(const Context& context, const Case& which, const array::Layout& lay
   const double most_db = constraint == Constraint::uniform ? -40 : which.radius_m > 0 ? -75 : -80;
   if (heard.deepest_db > most_db || heard.evenness < 0.94 ||
       heard.loss_db > (constraint == Constraint::clamp ? 5 : 3)) {
-    throw failure(fmt::format("bench: {}: nulls at {:.0f} dB, foci {:.3f}, {:.1f} dB lost; nothing was timed", name,
-                              heard.deepest_db, heard.evenness, heard.loss_db));
+    wrong(fmt::format("{}: nulls at {:.0f} dB, foci {:.3f}, {:.1f} dB lost", name, heard.deepest_db, heard.evenness,
+                      heard.loss_db));
   }
   constexpr std::uint32_t most_runs = 20;
   Row row = make_row("array", name, "total", time_runs(context, name, most_runs, batch));

@@ -31,7 +31,6 @@
 #include "acoustics/field/waves.hpp"
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "base/error.hpp"
 #include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/load_triangles.hpp"
@@ -69,10 +68,6 @@ double plane_wave_error(const RigidBody& body) {
   const double k = body.wave_number();
   return error_of(body, acoustics::plane_wave(k, along, body.points(), body.normals()),
                   SphereSeries::plane_wave(k, radius, along));
-}
-
-[[noreturn]] void wrong(const std::string& what) {
-  throw failure(fmt::format("bench: {}; nothing was timed", what));
 }
 
 /// Long cases run only once.

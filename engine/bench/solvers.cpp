@@ -268,10 +268,7 @@ void on_device(const Context& context, const Sets& sets, const Case& which, Pass
     for (const std::size_t slot : slots) {
       if (!buffers.add_slot(sets.slots[slot])) throw failure("bench: the batch does not fit the device's buffers");
     }
-    buffers.record(recorder.begin(), made);
-    timeline.submit(recorder.end());
-    buffers.solve_on_host();
-    timeline.wait(timeline.last());
+    array::compute_drives(buffers, made, recorder, timeline);
   };
   batch();
   const auto number_in = [](const std::vector<std::size_t>& all, std::size_t slot) {
@@ -285,7 +282,7 @@ void on_device(const Context& context, const Sets& sets, const Case& which, Pass
   const Heard expected = listen(sets, judged, [&](std::size_t slot) { return twins.drive(number_in(judged, slot)); });
   if (std::abs(mean_of(heard) / mean_of(expected) - 1) > sets.apart ||
       std::abs(evenness_of(heard) - evenness_of(expected)) > 0.02)
-    throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", name));
+    twins_disagree(name);
   rows.push_back(rate_of(name, count, time_runs(context, name, most_runs(context), batch),
                          quality(which, sets, heard, yardsticks)));
 }

@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "array/layouts/board_mesh.hpp"
-#include "base/error.hpp"
 #include "base/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"
@@ -63,14 +62,6 @@ geometry::Mesh dented_ball(std::uint32_t faces) {
 /// Resets peak_resident_bytes(), if the system allows it.
 void reset_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
-}
-
-std::uint64_t resident_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmRSS:")) return std::stoull(line.substr(6)) * 1024;
-  }
-  return 0;
 }
 
 /// Sets an environment variable temporarily.
@@ -160,7 +151,7 @@ double measure_contacts(const Context& context, const std::string& name, const s
         same = found.contacts[i].point == expected.contacts[i].point &&
                std::abs(found.contacts[i].depth_m - expected.contacts[i].depth_m) < 1e-6F;
       }
-      if (!same) throw failure(fmt::format("bench: {}: device and C++ twin disagree; nothing was timed", name));
+      if (!same) twins_disagree(name);
     }
     if (run < warm_up) continue;
     double ms = 0;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -14,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "setup/interrupt.hpp"
 
 namespace palpa::cli {
@@ -46,9 +46,8 @@ void add_word(const std::string& option, std::string_view word, std::vector<KeyP
   std::uint32_t times = 1;
   if (const std::size_t star = word.find('*'); star != std::string_view::npos) {
     name = word.substr(0, star);
-    const std::string_view count = word.substr(star + 1);
-    const auto [end, fault] = std::from_chars(count.data(), count.data() + count.size(), times);
-    if (fault != std::errc{} || end != count.data() + count.size() || times == 0) throw unknown(option, word);
+    times = parse_whole<std::uint32_t>(word.substr(star + 1)).value_or(0);
+    if (times == 0) throw unknown(option, word);
   }
   constexpr std::string_view shift = "shift+";
   const bool fine = name.starts_with(shift);

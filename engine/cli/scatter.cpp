@@ -75,20 +75,17 @@ void write_points(const std::string& file, const setup::ScatterResult& result) {
 }
 
 std::string summary_of_scatter(const setup::ScatterResult& result) {
-  std::size_t loudest = 0;
+  const auto loudest =
+      std::ranges::max_element(result.faces, {}, [](const auto& face) { return std::norm(face.pressure); });
   double ms = 0;
-  for (std::size_t face = 0; face < result.faces.size(); ++face) {
-    if (std::norm(result.faces[face].pressure) > std::norm(result.faces[loudest].pressure)) loudest = face;
-  }
   for (const auto& stage : result.times)
     ms += stage.second;
-  const Vec3 at = acoustics::face_centroid(result.body, loudest) * 1e3;
+  const Vec3 at = acoustics::face_centroid(result.body, static_cast<std::size_t>(loudest - result.faces.begin())) * 1e3;
   const Vec3& force = result.load.force;
   return fmt::format(
              "{} faces in {:.2f} s: at most {:.4g} Pa, at ({:.2f}, {:.2f}, {:.2f}) mm\n"
              "radiation force ({:.3g}, {:.3g}, {:.3g}) N\n",
-             result.faces.size(), ms / 1e3, std::abs(result.faces[loudest].pressure), at.x, at.y, at.z, force.x,
-             force.y, force.z) +
+             result.faces.size(), ms / 1e3, std::abs(loudest->pressure), at.x, at.y, at.z, force.x, force.y, force.z) +
          (result.beyond_linear() ? setup::linear_line() : "");
 }
 

@@ -53,8 +53,9 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
   const session::Session& session = result.session();
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{}, {}, {} ({:.1f} ms)\n", counted(result.points, "skin point"),
-                 counted(touch.contacts.size(), "contact"), counted(touch.finger_count, "finger"), result.total_ms);
+  fmt::format_to(out, "{}, {}, {} ({:.1f} ms)\n", counted(result.values.points, "skin point"),
+                 counted(touch.contacts.size(), "contact"), counted(touch.finger_count, "finger"),
+                 result.values.total_ms);
   if (touch.contacts.empty()) {
     if (const auto nearest = setup::nearest_skin(session.solids(), skin))
       fmt::format_to(out, "the nearest skin is {}\n", setup::place_of(*nearest, session.solids()));
@@ -72,11 +73,11 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
     fmt::format_to(out, "finger {} on {}: {} around ({:.2f}, {:.2f}, {:.2f}) mm, {} of {}{}\n", f,
                    session.solids()[finger.solid].name, counted(finger.contacts.size(), "contact"), c.x, c.y, c.z,
                    sounding, counted(placement.foci.size(), "focus"), manner(placement));
-    if (!result.pressures.empty()) {
-      const auto [least, most] = std::ranges::minmax(result.pressures[f]);
+    if (!result.values.pressures.empty()) {
+      const auto [least, most] = std::ranges::minmax(result.values.pressures[f]);
       fmt::format_to(out, "  pressure at its foci: {:.0f} to {:.0f} Pa\n", least, most);
     }
-    const bool own = !still && result.has_own_schedule(f);
+    const bool own = !still && result.values.own_schedule[f];
     if (own) fmt::format_to(out, "  {}\n", order_line(session.schedule().voices[f]));
     common = common || !own;
   }
@@ -88,7 +89,7 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
     text += "--json gives everything\n";
   }
   if (result.beyond_linear()) text += setup::linear_line();
-  text += felt_lines(session.scheduler().fingers(), result.spectra);
+  text += felt_lines(session.scheduler().fingers(), result.values.spectra);
   return text;
 }
 
@@ -105,8 +106,8 @@ void run_touch(const TouchCommand& given) {
   const setup::TouchResult result = setup::touch_scene(o.task, o.input.scene, std::move(solids), skin, start);
   preparing.reset();
   if (result.unreached) log::warning(*result.unreached);
-  if (!o.csv.empty()) write_file(o.csv, to_csv(result));
-  if (!o.common.json.empty()) write_file(o.common.json, to_json(result));
+  if (!o.csv.empty()) write_file(o.csv, to_csv(result.values));
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(result.values));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_touch(result, skin, o.task.touch));
 }
 

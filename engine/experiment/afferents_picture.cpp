@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <glm/geometric.hpp>
 #include <limits>
 #include <vector>
 
@@ -20,9 +19,7 @@ std::vector<std::int64_t> sites_of_faces(const AfferentsResult& result) {
   std::vector<std::int64_t> sites(result.body.triangles.size(), -1);
   for (const std::uint32_t face : result.sites.faces) {
     const Vec3 centroid = acoustics::face_centroid(result.body, face);
-    const auto nearest = std::ranges::min_element(result.sites.positions, {},
-                                                  [&](const Vec3& site) { return glm::distance(site, centroid); });
-    sites[face] = nearest - result.sites.positions.begin();
+    sites[face] = static_cast<std::int64_t>(observer::nearest_site(result.sites, centroid));
   }
   return sites;
 }

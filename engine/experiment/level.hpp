@@ -9,12 +9,13 @@ namespace palpa::experiment {
 
 /// The factor on linear pressures at which the crest of a single focus on the paper's cube, 3 mm deep, is a force of
 /// `crest_n` on the finger, and that force at the linear level.
-inline constexpr double calibration_depth_m = 3e-3;
 struct Calibration {
   double linear_crest_n = 0;
   double factor(double crest_n) const { return crest_n / linear_crest_n; }
 };
 /// With this array, posed in the world. Throws bad_input if the finger gets no force there.
 Calibration calibrate_level(ObservedFinger& finger, const array::Layout& layout);
+/// The same, kept between runs.
+Calibration kept_level(ObservedFinger& finger, const array::Layout& layout);
 
 }  // namespace palpa::experiment

@@ -16,7 +16,6 @@
 #include "experiment/response_cache.hpp"
 #include "experiment/touch_patterns.hpp"
 #include "observer/placements.hpp"
-#include "setup/assets.hpp"
 #include "setup/load.hpp"
 
 namespace palpa::experiment {
@@ -94,20 +93,6 @@ struct Loaded {
   }
 };
 
-/// The force of the level's reference touch, which is kept between runs.
-Calibration calibrate(ObservedFinger& finger, const array::Layout& layout) {
-  const std::string file = setup::find_asset("cube.glb");
-  const std::vector<geometry::Solid> solids = setup::load_solids(file);
-  const ObservedMethod observed{{.name = "single-focus", .method = touch::Method::single_focus, .stride = {}}, &layout};
-  const std::vector<double> depths{calibration_depth_m}, none;
-  const std::vector<observer::FingerPlace> places(1);
-  const CacheKey key = key_of({finger, solids, depths, places, none}, observed);
-  if (const std::optional<double> kept = load_number(key)) return {*kept};
-  const Calibration calibration = calibrate_level(finger, layout);
-  store_number(key, calibration.linear_crest_n);
-  return calibration;
-}
-
 /// Quiet sound is as linear acoustics says. Loud sound is no stronger than at the calibrated level.
 double crest_force_n(const study::StudyPlan& plan, const Calibration& calibration) {
   return std::min(plan.level.ceiling * plan.level.ceiling * calibration.linear_crest_n, plan.observer.crest_n);
@@ -160,12 +145,12 @@ void touch_shape(ObservedFinger& finger, const TouchedScene& shape, const TouchL
 
 double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger) {
   const array::Layout layout = setup::load_posed_layout(plan.methods[plan.fit.method].layout);
-  return crest_force_n(plan, calibrate(finger, layout));
+  return crest_force_n(plan, kept_level(finger, layout));
 }
 
 observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   const Loaded loaded(plan);
-  const Calibration calibration = calibrate(finger, *loaded.methods[plan.fit.method].layout);
+  const Calibration calibration = kept_level(finger, *loaded.methods[plan.fit.method].layout);
   observer::Responses out;
   out.depths_m = plan.observer.depths_m;
   out.placements = plan.observer.placements;

@@ -60,9 +60,7 @@ std::vector<ByClass> at_vertices(const geometry::Mesh& mesh, const observer::Ski
       values.push_back({none, none, none});
       continue;
     }
-    const auto nearest =
-        std::ranges::min_element(sites.positions, {}, [&](const Vec3& site) { return glm::distance(site, p); });
-    values.push_back(rates[static_cast<std::size_t>(nearest - sites.positions.begin())]);
+    values.push_back(rates[observer::nearest_site(sites, p)]);
   }
   return values;
 }

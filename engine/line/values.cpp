@@ -53,13 +53,10 @@ double take_number(const std::string& name, const std::string& text, const Range
 }
 
 std::uint64_t take_integer(const std::string& name, const std::string& text, std::uint64_t low, std::uint64_t high) {
-  std::uint64_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data(), end, value);
-  if (fault != std::errc{} || rest != end || value < low || value > high) {
+  const std::optional<std::uint64_t> value = parse_whole<std::uint64_t>(text);
+  if (!value || *value < low || *value > high)
     throw bad_usage(fmt::format("{}: '{}' is not a whole number from {} to {}", name, shown(text), low, high));
-  }
-  return value;
+  return *value;
 }
 
 /// 400k, 1M, 12345.

@@ -6,45 +6,21 @@
 #include <cmath>
 
 #include "base/random.hpp"
-#include "study/statistics/moments.hpp"
+#include "study/tables/two_tables.hpp"
 
 namespace palpa::observer {
 namespace {
 
 using study::Confusion;
 
-std::vector<double> shares_of(const Confusion& table) {
-  std::vector<double> shares;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    for (std::size_t j = 0; j < table.size(); ++j)
-      shares.push_back(share(table, i, j).value_or(0));
-  }
-  return shares;
-}
-
-std::vector<double> errors_of(const std::vector<double>& shares, std::size_t shapes) {
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    if (i % (shapes + 1) != 0) errors.push_back(shares[i]);
-  }
-  return errors;
-}
-
-std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b, std::size_t shapes) {
-  const std::optional<study::Correlation> found = study::pearson(errors_of(a, shapes), errors_of(b, shapes));
+std::optional<double> r_of_errors(const std::vector<double>& a, const std::vector<double>& b) {
+  const std::optional<study::Correlation> found = study::correlation_of_errors(a, b);
   return found ? std::optional(found->r) : std::nullopt;
-}
-
-double rms(const std::vector<double>& a, const std::vector<double>& b) {
-  double square = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    square += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(square / static_cast<double>(a.size()));
 }
 
 TableFit fit_of(const std::vector<double>& predicted, const Confusion& table) {
   const std::vector<double> observed = shares_of(table);
-  TableFit fit{.rms = rms(predicted, observed), .errors_r = correlation(predicted, observed, table.size())};
+  TableFit fit{.rms = study::rms_difference(predicted, observed), .errors_r = r_of_errors(predicted, observed)};
   for (std::size_t i = 0; i < predicted.size(); ++i)
     fit.log_likelihood += static_cast<double>(table.counts[i]) * std::log(std::max(predicted[i], 1e-3));
   fit.log_likelihood /= static_cast<double>(std::max<std::uint64_t>(1, table.total()));
@@ -74,31 +50,15 @@ void add_ceiling(ObservedMethod& method) {
         rest -= p;
       }
     }
-    square += rms(drawn, truth) * rms(drawn, truth);
-    if (const std::optional<double> one = correlation(drawn, truth, shapes)) {
+    const double off = study::rms_difference(drawn, truth);
+    square += off * off;
+    if (const std::optional<double> one = r_of_errors(drawn, truth)) {
       r += *one;
       ++correlated;
     }
   }
   method.ceiling_rms = std::sqrt(square / tables);
   if (correlated > 0) method.ceiling_r = r / correlated;
-}
-
-/// The table with its shapes in this order; empty if they are others.
-std::optional<Confusion> in_order(const Confusion& table, const std::vector<std::string>& shapes) {
-  if (table.size() != shapes.size()) return {};
-  Confusion ordered(shapes);
-  std::vector<std::size_t> from;
-  for (const std::string& shape : shapes) {
-    const auto found = std::ranges::find(table.shapes, shape);
-    if (found == table.shapes.end()) return {};
-    from.push_back(static_cast<std::size_t>(found - table.shapes.begin()));
-  }
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    for (std::size_t j = 0; j < shapes.size(); ++j)
-      ordered.at(i, j) = table.at(from[i], from[j]);
-  }
-  return ordered;
 }
 
 }  // namespace

@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/lines.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
 #include "base/reference.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig_toml.hpp"
 
@@ -68,52 +69,41 @@ struct Times {
   std::vector<std::uint64_t> sequences;
 };
 
-template <typename T>
-bool parse_cell(std::string_view text, T& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
 /// `sequence,time,time,...` per frame after a heading. A last line without a line end is a frame that was not finished.
 Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   const std::string text = read_text_file(file, most_bytes);
   Times times;
-  std::size_t line = 0;
-  for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
-    ++line;
-    std::string_view rest(text.data() + begin, end - begin);
-    if (!rest.empty() && rest.back() == '\r') rest.remove_suffix(1);
+  Lines lines(text);
+  while (const std::optional<std::string_view> line = lines.next()) {
+    if (lines.cut()) break;
     const auto fault = [&](const std::string& what) {
-      return bad_input(file.string(), fmt::format("line {}: {}", line, what));
+      return bad_input(file.string(), fmt::format("line {}: {}", lines.number(), what));
     };
-    if (line == 1) {
-      if (rest != times_heading(cameras)) throw fault(fmt::format("expected the heading {}", times_heading(cameras)));
+    if (lines.number() == 1) {
+      if (*line != times_heading(cameras)) throw fault(fmt::format("expected the heading {}", times_heading(cameras)));
       continue;
     }
+    const std::vector<std::string_view> cells = cells_of(*line, ',');
+    const std::optional<std::uint64_t> sequence = parse_whole<std::uint64_t>(cells[0]);
     std::vector<double> row;
-    std::uint64_t sequence = 0;
-    for (std::size_t column = 0; column <= cameras; ++column) {
-      const std::size_t comma = rest.find(',');
-      const std::string_view cell = rest.substr(0, comma);
-      double time = 0;
-      if ((comma == std::string_view::npos) != (column == cameras) ||
-          !(column == 0 ? parse_cell(cell, sequence) : parse_cell(cell, time) && std::abs(time) <= most_seconds)) {
-        throw fault(
-            fmt::format("expected a sequence number and {} in seconds, none beyond 1e12", counted(cameras, "time")));
-      }
-      if (column > 0) row.push_back(time);
-      rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+    for (std::size_t column = 1; column < cells.size(); ++column) {
+      const std::optional<double> time = parse_number(cells[column]);
+      if (time && std::abs(*time) <= most_seconds) row.push_back(*time);
+    }
+    if (!sequence || cells.size() != cameras + 1 || row.size() != cameras) {
+      throw fault(
+          fmt::format("expected a sequence number and {} in seconds, none beyond 1e12", counted(cameras, "time")));
     }
     if (!times.rows.empty()) {
       const auto& last = times.rows.back();
-      if (sequence <= times.sequences.back()) throw fault("the sequence number does not increase");
+      if (*sequence <= times.sequences.back()) throw fault("the sequence number does not increase");
       if (!(*std::min_element(row.begin(), row.end()) > *std::min_element(last.begin(), last.end()))) {
         throw fault("the time does not increase");
       }
     }
     if (times.rows.size() == most_frames) throw fault(fmt::format("more than {} frames", most_frames));
     times.rows.push_back(std::move(row));
-    times.sequences.push_back(sequence);
+    times.sequences.push_back(*sequence);
   }
   return times;
 }

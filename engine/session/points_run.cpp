@@ -22,9 +22,7 @@ constexpr double between_looks_s = 0.02;
 void check_points_session(const SessionSetting& setting, const RunOptions& options) {
   if (!setting.cameras.empty() || setting.layout.transducers.empty())
     throw bad_usage("a session with cameras or without an array cannot run from points");
-  if (setting.schedule.tune == Tune::all)
-    throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
-  if (options.events && !setting.events) throw bad_usage("a session whose setting has no events cannot report any");
+  check_run(setting, options.events != nullptr, "runs");
 }
 
 }  // namespace

@@ -75,10 +75,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
     throw bad_usage(
         "a session without cameras or a tracker, or without an array, or one of single frames, cannot be played");
   const bool tells = options.events != nullptr;
-  if (setting.schedule.tune == Tune::all) {
-    throw bad_usage("a session that is played can tune strides only: the length of its slots is fixed");
-  }
-  if (tells && !setting.events) throw bad_usage("a session whose setting has no events cannot report any");
+  check_run(setting, tells, "is played");
   constexpr double patience_s = 1;
   session.warm_up();
   ReplayStats stats;

@@ -254,13 +254,10 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   State& s = *state_;
   if (!s.setting.live())
     throw bad_usage("a session without cameras or a tracker, or without an array, or one of single frames, cannot run");
-  if (s.setting.schedule.tune == Tune::all) {
-    throw bad_usage("a session that runs can tune strides only: the length of its slots is fixed");
-  }
   if (s.fingers && options.every_frame) {
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
-  if (options.events && !s.setting.events) throw bad_usage("a session whose setting has no events cannot report any");
+  check_run(s.setting, options.events != nullptr, "runs");
   Observer observer(options);
   RunOptions loop = options;
   loop.observer = &observer;
@@ -311,13 +308,8 @@ const touch::Touch& Session::touch(std::span<const sensing::SkinPoint> skin, dou
   return state_->touch({.points = skin, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
-const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s) {
-  if (state_->setting.cameras.empty()) throw bad_usage("a session without cameras takes skin points, not depth frames");
-  return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s});
-}
-
 const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, double time_s,
-                                   std::uint64_t first_slot) {
+                                   std::optional<std::uint64_t> first_slot) {
   if (state_->setting.cameras.empty()) throw bad_usage("a session without cameras takes skin points, not depth frames");
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }

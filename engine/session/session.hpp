@@ -66,11 +66,10 @@ class Session {
   /// The same for points with ascending indices.
   const touch::Touch& touch(std::span<const sensing::SkinPoint> skin, double time_s,
                             std::optional<std::uint64_t> first_slot = {});
-  /// The same for depth frames, one per camera, as DepthSource::next returns them.
-  const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s);
-  /// The same if the first slot that plays the frame is known: gains change from slot to slot, and with the setting's
-  /// latency, foci are predicted slot by slot. Otherwise they are predicted for the middle of their cycle.
-  const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s, std::uint64_t first_slot);
+  /// The same for depth frames, one per camera, as DepthSource::next returns them. With the setting's latency, foci are
+  /// predicted slot by slot from the first slot on, or without one, for the middle of their cycle.
+  const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s,
+                            std::optional<std::uint64_t> first_slot = {});
   /// The same for the hands of a tracker, as DepthSource::next returns them.
   const touch::Touch& touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot);
 

@@ -12,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/lines.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 
@@ -22,26 +23,16 @@ constexpr std::string_view first_line = "index,x,y,z,nx,ny,nz,amplitude,phase";
 constexpr std::size_t columns = 9;
 constexpr std::uint64_t most_bytes = std::uint64_t{array::max_transducers} * 512;
 
-/// Removes the next line from `text` and returns it without its line end.
-std::string_view next_line(std::string_view& text) {
-  const std::size_t end = text.find('\n');
-  std::string_view line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  return line;
-}
-
 using Row = std::array<double, columns>;
 
 /// Returns false unless the line is exactly this many finite numbers.
 bool parse(std::string_view line, Row& row) {
+  const std::vector<std::string_view> cells = cells_of(line, ',');
+  if (cells.size() != columns) return false;
   for (std::size_t i = 0; i < columns; ++i) {
-    const std::string_view cell = line.substr(0, line.find(','));
-    const std::optional<double> number = parse_number(cell);
+    const std::optional<double> number = parse_number(cells[i]);
     if (!number) return false;
     row[i] = *number;
-    if ((cell.size() == line.size()) != (i + 1 == columns)) return false;
-    line.remove_prefix(std::min(line.size(), cell.size() + 1));
   }
   return true;
 }
@@ -74,21 +65,21 @@ std::string drive_csv(const array::Layout& layout, std::span<const array::Transd
 
 array::Drive load_drive(const std::filesystem::path& file, const array::Layout& layout) {
   const std::string text = read_text_file(file, most_bytes), name = file.string();
-  std::string_view rest = text;
-  if (next_line(rest) != first_line) {
+  Lines lines(text);
+  if (lines.next() != first_line) {
     throw bad_input(name,
                     fmt::format("is not a drive: its first line is not {}; palpa drive --csv writes one", first_line));
   }
   array::Drive drive;
   const std::size_t transducers = layout.transducers.size();
   std::size_t rows = 0;
-  for (std::size_t number = 2; !rest.empty(); ++number) {
-    const std::string_view line = next_line(rest);
-    if (line.empty()) continue;
+  while (const std::optional<std::string_view> line = lines.next()) {
+    if (line->empty()) continue;
+    const std::size_t number = lines.number();
     Row row{};
-    if (!parse(line, row)) {
+    if (!parse(*line, row)) {
       throw bad_input(
-          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(line, 60), columns, first_line));
+          name, fmt::format("line {}: '{}' is not {} numbers ({})", number, printable(*line, 60), columns, first_line));
     }
     if (row[0] != static_cast<double>(rows)) {
       throw bad_input(

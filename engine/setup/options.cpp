@@ -16,6 +16,7 @@ namespace palpa::setup {
 
 namespace {
 
+static_assert(static_cast<int>(SolverChoice::back_propagation) == static_cast<int>(array::Solver::back_propagation));
 constexpr Word<SolverChoice> solver_words[] = {
     {"naive", SolverChoice::naive},           {"gs-pat", SolverChoice::gs_pat},
     {"greedy", SolverChoice::greedy},         {"loudest", SolverChoice::loudest},
@@ -27,22 +28,7 @@ constexpr line::Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_ran
 constexpr line::Range tuned_dwell_range{1e-4, 20e-3};
 
 array::Solver solver_of(SolverChoice choice) {
-  switch (choice) {
-    case SolverChoice::gs_pat:
-      return array::Solver::gs_pat;
-    case SolverChoice::greedy:
-      return array::Solver::greedy;
-    case SolverChoice::loudest:
-      return array::Solver::loudest;
-    case SolverChoice::eigenvalue:
-      return array::Solver::eigenvalue;
-    case SolverChoice::back_propagation:
-      return array::Solver::back_propagation;
-    case SolverChoice::naive:
-    case SolverChoice::adjoint:
-      return array::Solver::naive;
-  }
-  return array::Solver::naive;
+  return choice == SolverChoice::adjoint ? array::Solver::naive : static_cast<array::Solver>(choice);
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ void add_air_options(CLI::App& app, AirOptions& options);
 /// If a sound speed is given, the temperature is 20 degrees Celsius.
 acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
 
-/// --solver: one of the engine's solvers, or `adjoint`, which is naive with the transfer of a finger.
+/// --solver: one of array::Solver, in its order, or `adjoint`, which is naive with the transfer of a finger.
 enum class SolverChoice { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation, adjoint };
 /// --transfer: foci are computed from the transducers' sound in free air or on a finger.
 enum class TransferChoice { free, finger };

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -56,9 +55,8 @@ Vec2 parse_size(const std::string& text) {
 }
 
 std::uint32_t parse_pixel_count(std::string_view text) {
-  std::uint32_t count = 0;
-  const auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), count);
-  return fault == std::errc{} && rest == text.data() + text.size() && count <= most_pixels ? count : 0;
+  const std::uint32_t count = parse_whole<std::uint32_t>(text).value_or(0);
+  return count <= most_pixels ? count : 0;
 }
 
 void set_square_pixels(Grid& grid) {

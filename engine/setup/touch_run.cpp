@@ -2,19 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <chrono>
-
 #include "base/error.hpp"
 #include "setup/touch_schedule.hpp"
 #include "shaders/touch/contacts/contacts.h"
 
 namespace palpa::setup {
 namespace {
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 void check_points(const TouchInput& input) {
   constexpr std::uint32_t most = shader::contacts_most_points;
@@ -25,15 +18,6 @@ void check_points(const TouchInput& input) {
 }
 
 }  // namespace
-
-Stopwatch::Stopwatch() : last_ns_(now_ns()) {}
-
-double Stopwatch::lap_ms() {
-  const std::int64_t now = now_ns();
-  const std::int64_t elapsed = now - last_ns_;
-  last_ns_ = now;
-  return static_cast<double>(elapsed) / 1e6;
-}
 
 OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,

@@ -1,13 +1,12 @@
 // One touch: a session of one frame, on either backend.
 #pragma once
 
-#include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/now.hpp"
 #include "gpu/device.hpp"
 #include "session/session.hpp"
 #include "setup/options.hpp"
@@ -43,11 +42,13 @@ OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, co
 /// Milliseconds since its construction or the last lap.
 class Stopwatch {
  public:
-  Stopwatch();
-  double lap_ms();
+  double lap_ms() {
+    const double before_ms = std::exchange(last_ms_, now_ms());
+    return last_ms_ - before_ms;
+  }
 
  private:
-  std::int64_t last_ns_;
+  double last_ms_ = now_ms();
 };
 
 }  // namespace palpa::setup

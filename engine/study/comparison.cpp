@@ -23,20 +23,6 @@ std::vector<std::string> sorted(std::vector<std::string> names) {
   return names;
 }
 
-/// The same table with its shapes in another order.
-Confusion reordered(const Confusion& table, const std::vector<std::string>& shapes) {
-  std::vector<std::size_t> from;
-  from.reserve(shapes.size());
-  for (const std::string& shape : shapes)
-    from.push_back(static_cast<std::size_t>(std::ranges::find(table.shapes, shape) - table.shapes.begin()));
-  Confusion other(shapes);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    for (std::size_t j = 0; j < shapes.size(); ++j)
-      other.at(i, j) = table.at(from[i], from[j]);
-  }
-  return other;
-}
-
 }  // namespace
 
 Comparison compare_tables(std::vector<NamedTable> tables) {
@@ -46,7 +32,7 @@ Comparison compare_tables(std::vector<NamedTable> tables) {
       return sorted(other.table.shapes) == sorted(tables[i].table.shapes);
     };
     const auto first = std::ranges::find_if(tables, same);
-    const Confusion table = reordered(tables[i].table, std::vector<std::string>(first->table.shapes));
+    const Confusion table = in_order(tables[i].table, first->table.shapes).value();
     comparison.tables.push_back(measure(tables[i].name, table));
     for (std::size_t j = 0; j < i; ++j) {
       const Measures& other = comparison.tables[j];

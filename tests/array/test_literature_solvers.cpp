@@ -100,7 +100,7 @@ TEST(LiteratureSolvers, DeviceAndTwinAgree) {
         const double loudest = *std::ranges::max_element(expected);
         for (std::size_t j = 0; j < expected.size(); ++j) {
           EXPECT_NEAR(found[j], expected[j], 0.01 * loudest)
-              << word_of(solver_words, solver) << " " << word_of(constraint_words, constraint) << " " << s;
+              << static_cast<int>(solver) << " " << word_of(constraint_words, constraint) << " " << s;
         }
       }
     }

@@ -82,7 +82,7 @@ class CliExport : public testing::Test {
     return result;
   }
   /// They end in silence.
-  std::vector<session::RecordedDrive> drives(const std::string& name = "d.bin") const {
+  std::vector<RecordedDrive> drives(const std::string& name = "d.bin") const {
     return read_to_silence(in(name)).drives;
   }
   json read(const std::string& name) const { return json::parse(read_text(in(name))); }
@@ -127,14 +127,14 @@ TEST_F(CliExport, EachSlotPlaysTheNewestFrameByThen) {
   EXPECT_EQ(stats["silent_drives"], 0);
   EXPECT_FALSE(stats.contains("fingers") || frames[0]["fingers"][0].contains("pressure_pa")) << "nobody asked for one";
 
-  const std::vector<session::RecordedDrive> recorded = drives();
+  const std::vector<RecordedDrive> recorded = drives();
   ASSERT_EQ(recorded.size(), end + 1);
   const array::Layout layout = setup::load_posed_rig({}).layout;
   std::size_t frame = 0;
   for (std::uint64_t slot = 0; slot < end; ++slot) {
     while (frame + 1 < times.size() && slot >= slot_of(times[frame + 1]))
       ++frame;
-    const session::RecordedDrive& played = recorded[slot];
+    const RecordedDrive& played = recorded[slot];
     ASSERT_EQ(played.slot, slot);
     const json& finger = frames[frame]["fingers"][0];
     const json& order = finger["order"];
@@ -153,8 +153,8 @@ TEST_F(CliExport, WhereNoFrameCameThereIsSilence) {
   exported(take(6, 0.3), {"--drives", in("d.bin"), "--events", in("e.jsonl"), "--quiet"});
   const std::uint64_t from = slot_of(times[5] + hold_s), until = slot_of(times[6]);
   ASSERT_GT(until, from + 100);
-  const std::vector<session::RecordedDrive> recorded = drives();
-  for (const session::RecordedDrive& played : recorded) {
+  const std::vector<RecordedDrive> recorded = drives();
+  for (const RecordedDrive& played : recorded) {
     const bool gap = played.slot >= from && played.slot < until;
     EXPECT_EQ(loudest(played.drive) == 0, gap || played.slot == recorded.back().slot) << played.slot;
   }
@@ -169,9 +169,9 @@ TEST_F(CliExport, WhereNoFrameCameThereIsSilence) {
 
 TEST_F(CliExport, APauseOfDaysCostsNothing) {
   exported(take(6, 1e6), {"--layout", "openmpd", "--drives", in("d.bin"), "--quiet"});
-  const std::vector<session::RecordedDrive> recorded = drives();
+  const std::vector<RecordedDrive> recorded = drives();
   EXPECT_LT(recorded.size(), 7500u) << "ten seconds of silence and what sounds";
-  const auto again = std::ranges::find(recorded, slot_of(times[6]), &session::RecordedDrive::slot);
+  const auto again = std::ranges::find(recorded, slot_of(times[6]), &RecordedDrive::slot);
   ASSERT_NE(again, recorded.end());
   EXPECT_GT(loudest(again->drive), 0);
   EXPECT_EQ(loudest(std::prev(again)->drive), 0);
@@ -227,7 +227,7 @@ TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
       EXPECT_TRUE(read_text(in("d.bin")) == read_text(in("again.bin")));
       continue;
     }
-    const std::vector<session::RecordedDrive> first = drives(), second = drives("again.bin");
+    const std::vector<RecordedDrive> first = drives(), second = drives("again.bin");
     ASSERT_EQ(second.size(), first.size());
     double farthest = 0;
     for (std::size_t n = 0; n < first.size(); ++n) {
@@ -271,7 +271,7 @@ TEST_F(CliExport, PlayedFociAreReadOrRefusedWithTheirPlace) {
       "gain": 0.5}]})";
   ASSERT_EQ(play(first).exit_code, 0);
   // The last frame sounds for the hold; the first slot is that of the file.
-  const std::vector<session::RecordedDrive> recorded = drives();
+  const std::vector<RecordedDrive> recorded = drives();
   ASSERT_EQ(recorded.size(), 68u);
   EXPECT_EQ(recorded.front().slot, 1000000u);
   EXPECT_GT(loudest(recorded[66].drive), 0);
@@ -286,7 +286,7 @@ TEST_F(CliExport, PlayedFociAreReadOrRefusedWithTheirPlace) {
   const std::string gain = R"("gain": 0.5)", hz = R"("modulation_hz": 0)";
   const std::string slots = R"(, "slot_s": 0.0015, "gains": )";
   ASSERT_EQ(play(changed(gain, gain + slots + "[1, 0, 0.5]")).exit_code, 0);
-  const std::vector<session::RecordedDrive> changing = drives();
+  const std::vector<RecordedDrive> changing = drives();
   ASSERT_EQ(changing.size(), 68u);
   EXPECT_EQ(changing[0].drive[7].amplitude, recorded[0].drive[7].amplitude);
   EXPECT_EQ(loudest(changing[1].drive), 0);

@@ -163,7 +163,7 @@ TEST(CliMethods, EveryMethodIsPlayedWithItsModulation) {
       {{"--method", "ellipse"}, 1}};
   for (const auto& [options, expected] : methods) {
     float least = 1, most = 0;
-    for (const session::RecordedDrive& recorded : read_to_silence(drives_by(with(options, {"--tune"}))).drives) {
+    for (const RecordedDrive& recorded : read_to_silence(drives_by(with(options, {"--tune"}))).drives) {
       const float loud = loudest(recorded.drive);
       most = std::max(most, loud);
       if (loud > 1e-3F) least = std::min(least, loud);

@@ -182,9 +182,9 @@ double pressure_of(const array::Layout& layout, const array::Drive& drive, const
 }
 
 /// The slots in which something sounds.
-std::vector<session::RecordedDrive> sounding(const std::filesystem::path& drives) {
-  std::vector<session::RecordedDrive> loud = read_to_silence(drives).drives;
-  std::erase_if(loud, [](const session::RecordedDrive& one) { return loudest(one.drive) == 0; });
+std::vector<RecordedDrive> sounding(const std::filesystem::path& drives) {
+  std::vector<RecordedDrive> loud = read_to_silence(drives).drives;
+  std::erase_if(loud, [](const RecordedDrive& one) { return loudest(one.drive) == 0; });
   EXPECT_FALSE(loud.empty());
   return loud;
 }

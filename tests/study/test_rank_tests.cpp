@@ -53,7 +53,7 @@ TEST(Wilcoxon, OfPublishedData) {
   }
 }
 
-TEST(Wilcoxon, ZerosAndTiesInThreeWays) {
+TEST(Wilcoxon, ZerosAndTiesInTwoWays) {
   const SignedRank drop = wilcoxon(zeros_and_ties, Zeros::drop);
   EXPECT_EQ(drop.positive, 30.5);
   EXPECT_EQ(drop.nonzero, 8u);
@@ -67,9 +67,6 @@ TEST(Wilcoxon, ZerosAndTiesInThreeWays) {
   EXPECT_NEAR(pratt.greater, 0.05859375, 1e-15);
   EXPECT_NEAR(pratt.normal, 0.0894208739, 1e-10);
   EXPECT_NEAR(pratt.normal_corrected, 0.09955968187, 1e-11);
-  const SignedRank split = wilcoxon(zeros_and_ties, Zeros::split);
-  EXPECT_EQ(split.negative, 11);
-  EXPECT_NEAR(split.normal, 0.09132931354, 1e-11);
 }
 
 /// Two-sided p by trying all signs.

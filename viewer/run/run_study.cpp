@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
@@ -62,9 +61,7 @@ study::EarLevel level_of(const study::StudyPlan& plan, const StudyShapes& shapes
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
   study::EarLevel level = study::predict_ear_level(plan, objects, placed ? &*placed : nullptr);
-  if (!options.override_by.empty() && study::needs_approval(plan, level).empty())
-    throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
-  if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
+  study::check_signature(plan, level, options.override_by);
   study::refuse_loud(plan, level, options.override_by);
   return level;
 }
@@ -156,17 +153,7 @@ Window participant_window(const setup::StudyRunOptions& options, const sensing::
 
 void report(const setup::StudyRunOptions& options, const Outputs& outputs, const Conductor& conductor) {
   const study::Agenda& agenda = conductor.sitting().agenda();
-  if (!options.common.json.empty()) {
-    JsonWriter json;
-    json.begin_object()
-        .member("participant", *options.participant)
-        .member("complete", agenda.complete())
-        .member("void", agenda.voided())
-        .member("starts", agenda.starts())
-        .member("ended", agenda.finished())
-        .end_object();
-    write_file(options.common.json, json.take());
-  }
+  if (!options.common.json.empty()) write_file(options.common.json, to_json(agenda, *options.participant));
   if (!setup::shows_summary(options.common, outputs)) return;
   write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n", *options.participant,
                               agenda.complete(), agenda.steps().size(), agenda.voided(),

@@ -109,7 +109,7 @@ std::uint8_t EmulatedDevice::handle(double now_s, std::span<const std::uint8_t> 
     case 0x30:
       return take_gain(o);
     case 0x41:
-      return take_pattern(now_s, o);
+      return take_pattern(o);
     case 0x42:
       return take_foci(o);
     case 0x43:
@@ -205,7 +205,7 @@ std::uint8_t EmulatedDevice::take_gain(std::span<const std::uint8_t> o) {
   return no_error;
 }
 
-std::uint8_t EmulatedDevice::take_pattern(double, std::span<const std::uint8_t> o) {
+std::uint8_t EmulatedDevice::take_pattern(std::span<const std::uint8_t> o) {
   const std::uint8_t flags = o[1];
   const std::uint8_t index = (flags & 8) != 0 ? 1 : 0;
   const std::size_t parts = static_cast<std::size_t>(flags >> 6) + 1;

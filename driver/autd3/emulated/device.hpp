@@ -62,7 +62,7 @@ class EmulatedDevice {
   std::uint8_t take_modulation(std::span<const std::uint8_t> o);
   std::uint8_t take_silencer(std::span<const std::uint8_t> o);
   std::uint8_t take_gain(std::span<const std::uint8_t> o);
-  std::uint8_t take_pattern(double now_s, std::span<const std::uint8_t> o);
+  std::uint8_t take_pattern(std::span<const std::uint8_t> o);
   std::uint8_t take_foci(std::span<const std::uint8_t> o);
   std::uint8_t change_pattern(std::span<const std::uint8_t> o, bool foci);
   bool too_fast(std::uint32_t pattern_divider, std::uint32_t modulation_divider) const;

@@ -3,9 +3,7 @@
 #include <iterator>
 #include <string>
 
-#include "base/error.hpp"
 #include "base/json_writer.hpp"
-#include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/text.hpp"
@@ -72,9 +70,7 @@ void run_level(const LevelCommand& o) {
   const Outputs outputs({{"--json", o.common.json}});
   const study::StudyPlan plan = setup::load_plan(o.plan);
   const study::EarLevel level = study::predict_ear_level(plan, setup::try_files(plan));
-  if (!o.override_by.empty() && study::needs_approval(plan, level).empty())
-    throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
-  if (const std::string doubt = study::doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
+  study::check_signature(plan, level, o.override_by);
   if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level));
   if (setup::shows_summary(o.common, outputs)) write_file("-", level_text(plan, level));
   study::refuse_loud(plan, level, o.override_by);

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
 #include "base/text.hpp"
@@ -52,17 +51,7 @@ void run_rehearse(const RehearseCommand& o) {
                                      plan, record.agenda(), start, participant,
                                      [&](const study::Entry& entry) { record.add(entry); }, &setup::Interrupt::flag());
   const study::Agenda agenda = record.agenda();
-  if (!o.common.json.empty()) {
-    JsonWriter json;
-    json.begin_object()
-        .member("participant", *o.participant)
-        .member("complete", agenda.complete())
-        .member("void", agenda.voided())
-        .member("starts", agenda.starts())
-        .member("ended", ended)
-        .end_object();
-    write_file(o.common.json, json.take());
-  }
+  if (!o.common.json.empty()) write_file(o.common.json, to_json(agenda, *o.participant));
   if (!ended) {
     throw failure(fmt::format("stopped by a signal after {} of {} steps; the same command continues", agenda.complete(),
                               agenda.steps().size()));

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry::ply {
@@ -50,10 +50,9 @@ class HeaderLine {
 
   Element element() const {
     if (words_.size() != 3) fail("an element line must be \"element NAME COUNT\"");
-    Element element{std::string(words_[1]), 0, {}};
-    const auto [rest, fault] = std::from_chars(words_[2].data(), words_[2].data() + words_[2].size(), element.count);
-    if (fault != std::errc{} || rest != words_[2].data() + words_[2].size()) fail("the count is not a whole number");
-    return element;
+    const std::optional count = parse_whole<decltype(Element::count)>(words_[2]);
+    if (!count) fail("the count is not a whole number");
+    return {std::string(words_[1]), *count, {}};
   }
   Property property() const {
     Property property;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry::gltf {
@@ -89,12 +89,9 @@ Parsed::Parsed(const std::string& file, const std::string& text) {
 
 std::optional<std::string_view> Parsed::long_string(const std::string& value) const {
   if (!value.starts_with(long_string_mark)) return std::nullopt;
-  std::size_t index = 0;
-  const char* first = value.data() + long_string_mark.size();
-  const char* last = value.data() + value.size();
-  const auto [rest, fault] = std::from_chars(first, last, index);
-  if (fault != std::errc{} || rest != last || index >= long_strings_.size()) return std::nullopt;
-  return long_strings_[index];
+  const auto index = parse_whole<std::size_t>(std::string_view(value).substr(long_string_mark.size()));
+  if (!index || *index >= long_strings_.size()) return std::nullopt;
+  return long_strings_[*index];
 }
 
 std::string Parsed::whole_name(const std::string& value) const {

@@ -23,12 +23,15 @@ SkinSites sites_of(const geometry::Mesh& body) {
     if (std::ranges::none_of(sites.positions, near)) sites.positions.push_back(centroid);
   }
   sites.areas_cm2.resize(sites.positions.size());
-  for (std::size_t f = 0; f < centroids.size(); ++f) {
-    const auto nearest = std::ranges::min_element(sites.positions, {},
-                                                  [&](const Vec3& site) { return glm::distance(site, centroids[f]); });
-    sites.areas_cm2[static_cast<std::size_t>(nearest - sites.positions.begin())] += areas_cm2[f];
-  }
+  for (std::size_t f = 0; f < centroids.size(); ++f)
+    sites.areas_cm2[nearest_site(sites, centroids[f])] += areas_cm2[f];
   return sites;
+}
+
+std::size_t nearest_site(const SkinSites& sites, const Vec3& place) {
+  const auto nearest =
+      std::ranges::min_element(sites.positions, {}, [&](const Vec3& site) { return glm::distance(site, place); });
+  return static_cast<std::size_t>(nearest - sites.positions.begin());
 }
 
 double afferents_at(double area_cm2, AfferentClass kind) {

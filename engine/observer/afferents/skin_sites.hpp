@@ -27,6 +27,8 @@ struct SkinSites {
 /// `body` has its tip at the origin. The sites are the first faces, in the order of the mesh, that are farther than the
 /// spacing from all earlier sites.
 SkinSites sites_of(const geometry::Mesh& body);
+/// The site nearest to a place.
+std::size_t nearest_site(const SkinSites& sites, const Vec3& place);
 
 /// The number of afferents for which one model stands at a site of this area.
 double afferents_at(double area_cm2, AfferentClass kind);

@@ -1,7 +1,5 @@
 #include "session/links/record_link.hpp"
 
-#include <fmt/core.h>
-
 #include <atomic>
 #include <bit>
 #include <cstdint>
@@ -14,7 +12,6 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/input_file.hpp"
 #include "base/output_file.hpp"
 #include "base/stream_writer.hpp"
 
@@ -111,49 +108,12 @@ class RecordLink : public Link {
   std::uint64_t written_ = 0;  ///< drives that sound
 };
 
-template <typename T>
-std::span<unsigned char> bytes_of(T& value) {
-  return {reinterpret_cast<unsigned char*>(&value), sizeof(value)};
-}
-
 }  // namespace
 
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
                                        const std::atomic<bool>* wait_unless) {
   if (file.empty()) throw bad_usage("link record needs a file: record:FILE");
   return std::make_unique<RecordLink>(file, setting, wait_unless);
-}
-
-DriveRecording read_drive_recording(const std::filesystem::path& file) {
-  const InputFile in(file);
-  Header header{};
-  if (in.size() >= sizeof(header)) in.read_at(0, bytes_of(header));
-  if (std::memcmp(header.magic, magic, sizeof(magic)) != 0) {
-    throw bad_input(in.name(), "is not a recording of drives (it should begin with 'palpadrv')");
-  }
-  if (header.version != version) {
-    throw bad_input(in.name(), fmt::format("has version {}; this palpa reads version {}", header.version, version));
-  }
-  if (header.transducers > array::max_transducers) {
-    throw bad_input(in.name(), fmt::format("claims {} transducers; at most {} are possible", header.transducers,
-                                           array::max_transducers));
-  }
-  DriveRecording recording{header.slot_s, header.transducers, {}};
-  RecordedDrive record;
-  record.drive.resize(header.transducers);
-  const std::span drive(reinterpret_cast<unsigned char*>(record.drive.data()),
-                        record.drive.size() * sizeof(array::TransducerDrive));
-  const std::uint64_t record_size = sizeof(record.slot) + drive.size();
-  std::uint64_t at = sizeof(header);
-  for (; in.size() - at >= record_size; at += record_size) {
-    in.read_at(at, bytes_of(record.slot));
-    in.read_at(at + sizeof(record.slot), drive);
-    recording.drives.push_back(record);
-  }
-  if (at != in.size()) {
-    throw bad_input(in.name(), fmt::format("is cut off in the middle of drive {}", recording.drives.size()));
-  }
-  return recording;
 }
 
 }  // namespace palpa::session

@@ -1,13 +1,12 @@
-// Drives as a file, for replay and for tests that check the last drive sent.
+// Drives as a file.
 //
 // Little-endian: 8 bytes "palpadrv", u32 version (1), u32 transducers, f64 slot_s; then one record per drive: u64 slot
 // and, per transducer, f32 amplitude and f32 phase. For 3984 transducers at 1.5 ms that is 21 MB/s.
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <memory>
-#include <vector>
+#include <string>
 
 #include "session/links/link.hpp"
 
@@ -20,17 +19,5 @@ namespace palpa::session {
 /// nothing sounds meanwhile: the link then waits without a limit until that flag becomes true.
 std::unique_ptr<Link> open_record_link(const std::string& file, const LinkSetting& setting,
                                        const std::atomic<bool>* wait_unless = nullptr);
-
-struct RecordedDrive {
-  std::uint64_t slot = 0;
-  array::Drive drive;
-};
-struct DriveRecording {
-  double slot_s = 0;
-  std::uint32_t transducers = 0;
-  std::vector<RecordedDrive> drives;
-};
-/// Throws bad_input naming the fault: not such a file, another version, or truncated within a record.
-DriveRecording read_drive_recording(const std::filesystem::path& file);
 
 }  // namespace palpa::session

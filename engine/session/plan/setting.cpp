@@ -1,6 +1,10 @@
 #include "session/plan/setting.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+
+#include "base/error.hpp"
 
 namespace palpa::session {
 
@@ -23,6 +27,13 @@ bool drops_points(const SessionSetting& setting) {
   const bool learned =
       std::ranges::any_of(setting.cameras, [](const auto& camera) { return camera.background != nullptr; });
   return !setting.cameras.empty() && (learned || !surroundings_of(setting).empty());
+}
+
+void check_run(const SessionSetting& setting, bool asks_for_events, const char* what) {
+  if (setting.schedule.tune == Tune::all) {
+    throw bad_usage(fmt::format("a session that {} can tune strides only: the length of its slots is fixed", what));
+  }
+  if (asks_for_events && !setting.events) throw bad_usage("a session whose setting has no events cannot report any");
 }
 
 }  // namespace palpa::session

@@ -82,5 +82,8 @@ std::vector<sensing::Slab> slabs_of(const array::Layout& layout);
 sensing::Surroundings surroundings_of(const SessionSetting& setting);
 /// Whether a frame may have points that are no skin.
 bool drops_points(const SessionSetting& setting);
+/// Throws bad_usage if it tunes more than strides, which a loop cannot, or if events are asked for that it does not
+/// have. `what` the session does, for the message: "runs".
+void check_run(const SessionSetting& setting, bool asks_for_events, const char* what);
 
 }  // namespace palpa::session

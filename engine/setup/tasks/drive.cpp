@@ -88,10 +88,7 @@ array::Drive drive_on_gpu(const gpu::Device& device, const array::Layout& layout
   if (!fits) throw failure("more foci than the GPU's buffers hold");
   const gpu::Recorder recorder(device, "drive");
   gpu::Timeline timeline(device);
-  buffers.record(recorder.begin(), passes);
-  timeline.submit(recorder.end());
-  buffers.solve_on_host();
-  timeline.wait(timeline.last());
+  array::compute_drives(buffers, passes, recorder, timeline);
   const auto drive = buffers.drive(0);
   return {drive.begin(), drive.end()};
 }

@@ -40,11 +40,8 @@ array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldR
 }
 
 std::size_t loudest_of(std::span<const std::complex<double>> pressures) {
-  std::size_t loudest = 0;
-  for (std::size_t i = 0; i < pressures.size(); ++i) {
-    if (std::norm(pressures[i]) > std::norm(pressures[loudest])) loudest = i;
-  }
-  return loudest;
+  const auto norm = [](const std::complex<double>& pressure) { return std::norm(pressure); };
+  return static_cast<std::size_t>(std::ranges::max_element(pressures, {}, norm) - pressures.begin());
 }
 
 /// Computes the field at the places of `result`, in its air.

@@ -45,13 +45,9 @@ bool plays_its_own(const session::Session& session, const touch::Touch& touch, s
 
 }  // namespace
 
-bool TouchResult::has_own_schedule(std::uint32_t finger) const {
-  return plays_its_own(session(), touch(), finger);
-}
-
 bool TouchResult::beyond_linear() const {
   return std::ranges::any_of(
-      pressures, [](const auto& foci) { return *std::ranges::max_element(foci) > array::linear_pressure_pa; });
+      values.pressures, [](const auto& foci) { return *std::ranges::max_element(foci) > array::linear_pressure_pa; });
 }
 
 namespace {
@@ -77,18 +73,19 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
   TouchArray array = load_array(options, solids);
   times.emplace_back("load", since.lap_ms());
   TouchResult result{.one = touch_once(options.compute, options.touch, options.felt, scene, std::move(solids), skin,
-                                       std::move(array), times, options.own_method),
-                     .points = skin.point_count};
+                                       std::move(array), times, options.own_method)};
   bool warned = false;
   warn_of_left_out_fingers(result.touch(), warned);
   const session::Session& session = result.session();
   warn_of_feel(session);
-  if (options.felt.spectrum) result.spectra = spectra_of(session);
-  if (!options.array.layout.empty()) result.pressures = session::foci_pressures(session.plan(), session.setting());
+  TouchValues& values = result.values = values_of(session, result.touch());
+  values.points = skin.point_count;
+  if (options.felt.spectrum) values.spectra = spectra_of(session);
+  if (!options.array.layout.empty()) values.pressures = session::foci_pressures(session.plan(), session.setting());
   result.unreached = session::unreached(session.schedule(), session.solid_names());
-  result.computed = used_backend(options.compute);
-  result.total_ms = whole.lap_ms();
-  result.times = std::move(times);
+  values.computed = used_backend(options.compute);
+  values.total_ms = whole.lap_ms();
+  values.times = std::move(times);
   return result;
 }
 
@@ -184,24 +181,6 @@ TouchValues values_of(const session::Session& session, const touch::Touch& touch
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
     values.own_schedule.push_back(plays_its_own(session, touch, f));
   return values;
-}
-
-TouchValues values_of(const TouchResult& result) {
-  TouchValues values = values_of(result.session(), result.touch());
-  values.points = result.points;
-  values.spectra = result.spectra;
-  values.pressures = result.pressures;
-  values.computed = result.computed;
-  values.total_ms = result.total_ms;
-  values.times = result.times;
-  return values;
-}
-
-std::string to_json(const TouchResult& result) {
-  return to_json(values_of(result));
-}
-std::string to_csv(const TouchResult& result) {
-  return to_csv(values_of(result));
 }
 
 std::string to_json(const TouchValues& values) {

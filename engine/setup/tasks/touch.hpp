@@ -39,22 +39,33 @@ void add_task_options(CLI::App& app, TouchTask& options);
 /// depth images; a finger's width has an effect only with them.
 void check(const TouchTask& options, bool depth_images);
 
-/// A touch and the requested results. Lengths in metres, coordinates in the world.
-struct TouchResult {
-  OneTouch one;
+/// All values of a touch without its session, for those who keep many touches: a session has the solids and a device.
+/// Lengths in metres, coordinates in the world.
+struct TouchValues {
+  touch::Touch touch;
+  array::Schedule schedule;                       ///< a voice for each finger
+  array::Voice common;                            ///< Scheduler::common_voice
+  std::vector<session::ScheduledFinger> fingers;  ///< how each finger got its voice
+  std::vector<std::string> solids;                ///< their names
+  /// Whether --tune, its solid or a method of the caller's gave a finger its own schedule.
+  std::vector<bool> own_schedule;
   std::uint64_t points = 0;                    ///< number of skin points; with depth images, of valid pixels
   std::vector<acoustics::Spectrum> spectra;    ///< with FeltOptions::spectrum, one for each finger; otherwise empty
   std::vector<std::vector<double>> pressures;  ///< Pa, with a layout: for each finger, for each focus of its voice
-  std::optional<std::string> unreached;        ///< a sentence about a requested pressure that is not reached
-  UsedBackend computed;                        ///< what computed, and why
+  std::optional<UsedBackend> computed;         ///< what computed, and why
   double total_ms = 0;
   StepTimes times;
+};
+
+/// A touch and the requested results.
+struct TouchResult {
+  OneTouch one;
+  TouchValues values;
+  std::optional<std::string> unreached;  ///< a sentence about a requested pressure that is not reached
 
   const touch::Touch& touch() const { return one.touch; }  ///< contacts and fingers
   /// Foci and schedule (a voice for each finger), solids and setting.
   const session::Session& session() const { return one.session; }
-  /// Whether --tune, its solid or a method of the caller's gave this finger its own schedule.
-  bool has_own_schedule(std::uint32_t finger) const;
   /// Whether any focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
@@ -66,31 +77,13 @@ struct TouchResult {
 TouchResult touch_scene(const TouchTask& options, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since = {});
 
-/// All values of a touch without its session, for those who keep many touches: a session has the solids and a device.
-struct TouchValues {
-  touch::Touch touch;
-  array::Schedule schedule;                       ///< a voice for each finger
-  array::Voice common;                            ///< Scheduler::common_voice
-  std::vector<session::ScheduledFinger> fingers;  ///< how each finger got its voice
-  std::vector<std::string> solids;                ///< their names
-  std::vector<bool> own_schedule;                 ///< see TouchResult::has_own_schedule
-  std::uint64_t points = 0;
-  std::vector<acoustics::Spectrum> spectra;
-  std::vector<std::vector<double>> pressures;
-  std::optional<UsedBackend> computed;
-  double total_ms = 0;
-  StepTimes times;
-};
-TouchValues values_of(const TouchResult& result);
-/// The same for a frame of any session that works frame by frame: without points, spectra, pressures, backend and
+/// The values of a frame of any session that works frame by frame: without points, spectra, pressures, backend and
 /// times.
 TouchValues values_of(const session::Session& session, const touch::Touch& touch);
 
 /// The output of `palpa touch --json` (docs/files.md). Only `timing_ms` differs between runs.
 std::string to_json(const TouchValues& values);
-std::string to_json(const TouchResult& result);
 /// The contacts, a line each: index,x,y,z,depth,finger,solid; finger is -1 if the cluster was too small.
 std::string to_csv(const TouchValues& values);
-std::string to_csv(const TouchResult& result);
 
 }  // namespace palpa::setup

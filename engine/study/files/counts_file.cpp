@@ -3,18 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <system_error>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/lines.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "study/files/trial.hpp"
-#include "study/files/tsv.hpp"
 
 namespace palpa::study {
 namespace {
@@ -40,13 +39,12 @@ char separator_of(std::string_view line) {
 }
 
 std::uint64_t count_in(std::string_view cell, const std::string& name, std::size_t line) {
-  std::uint64_t count = 0;
-  const auto [end, fault] = std::from_chars(cell.data(), cell.data() + cell.size(), count);
-  if (fault != std::errc{} || end != cell.data() + cell.size() || count > most_count) {
+  const std::optional<std::uint64_t> count = parse_whole<std::uint64_t>(cell);
+  if (!count || *count > most_count) {
     throw bad_input(name, fmt::format("line {}: '{}' is not a count: give whole numbers of answers, 0 to {}", line,
                                       printable(cell, 40), most_count));
   }
-  return count;
+  return *count;
 }
 
 std::vector<std::string> shapes_in(const std::vector<std::string_view>& header, const std::string& name) {

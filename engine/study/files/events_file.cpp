@@ -10,12 +10,12 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/lines.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"
 #include "study/files/trial.hpp"
-#include "study/files/tsv.hpp"
 
 namespace palpa::study {
 namespace {

@@ -9,38 +9,17 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/lines.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"
-#include "study/files/tsv.hpp"
 
 namespace palpa::study {
 namespace {
 
 constexpr std::uint64_t most_packed = 64u << 20, most_unpacked = 256u << 20;
 constexpr double between_samples_s = 0.1;
-
-/// Goes forward to given rows of a table.
-class Rows {
- public:
-  explicit Rows(std::string_view text) : rest_(text) {}
-
-  /// Row `wanted`, from 0; not before the row of the last call. Empty after the end and for a row that is cut.
-  std::optional<std::string_view> at(std::uint64_t wanted) {
-    for (;;) {
-      const std::size_t end = rest_.find('\n');
-      if (end == std::string_view::npos) return std::nullopt;
-      if (row_ == wanted) return rest_.substr(0, end);
-      rest_.remove_prefix(end + 1);
-      ++row_;
-    }
-  }
-
- private:
-  std::string_view rest_;
-  std::uint64_t row_ = 0;
-};
 
 }  // namespace
 
@@ -57,7 +36,8 @@ FingerFile read_finger(const std::filesystem::path& path, std::span<const TrialT
     file.fault =
         fmt::format("{}: is cut off; depths are read up to {:.1f} s", name, sidecar.start_s + rows / sidecar.rate_hz);
   }
-  Rows rows(unpacked.text);
+  Lines lines(unpacked.text);
+  std::optional<std::string_view> line;
   const double step = std::max(1.0, std::floor(between_samples_s * sidecar.rate_hz));
   for (std::size_t t = 0; t < trials.size(); ++t) {
     const TrialTime& trial = trials[t];
@@ -68,10 +48,11 @@ FingerFile read_finger(const std::filesystem::path& path, std::span<const TrialT
       const double time_s = sidecar.start_s + row / sidecar.rate_hz - trial.onset_s;
       if (time_s >= length_s) break;
       const auto index = static_cast<std::uint64_t>(std::min(row, 1e15));
-      const std::optional<std::string_view> line = rows.at(index);
-      if (!line) return file;
-      const std::vector<std::string_view> cells =
-          cells_of(line->ends_with('\r') ? line->substr(0, line->size() - 1) : *line, '\t');
+      while (lines.number() <= index) {
+        line = lines.next();
+        if (!line || lines.cut()) return file;
+      }
+      const std::vector<std::string_view> cells = cells_of(*line, '\t');
       if (cells.size() != sidecar.columns) {
         throw bad_input(name, fmt::format("line {}: {} where {} {} named", index + 1, counted(cells.size(), "cell"),
                                           counted(sidecar.columns, "column"), sidecar.columns == 1 ? "is" : "are"));

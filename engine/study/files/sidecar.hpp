@@ -6,12 +6,15 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpa::study {
 
 /// The version of the logs that palpa reads and writes.
 inline constexpr std::uint64_t log_version = 1;
+/// BIDS' word for a value that does not exist.
+inline constexpr std::string_view not_available = "n/a";
 
 /// Beside PREFIX_events.tsv.
 struct EventsSidecar {

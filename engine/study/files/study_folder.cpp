@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -18,6 +17,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "study/files/events_file.hpp"
 #include "study/files/finger_file.hpp"
 #include "study/tables/paper.hpp"
@@ -45,27 +45,6 @@ struct Folder {
   std::vector<std::string> left_out;
 };
 
-/// The number in "sub-7" or "sub-7_task-...".
-std::optional<std::uint32_t> number_of(std::string_view name) {
-  if (!name.starts_with(prefix)) return std::nullopt;
-  name.remove_prefix(prefix.size());
-  const std::string_view digits = name.substr(0, name.find('_'));
-  std::uint32_t number = 0;
-  const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (fault != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
-  return number;
-}
-
-std::vector<fs::path> entries_of(const fs::path& folder) {
-  std::vector<fs::path> entries;
-  std::error_code fault;
-  for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault))
-    entries.push_back(at->path());
-  if (fault) throw bad_input(folder.string(), "cannot be read: " + fault.message());
-  std::ranges::sort(entries);
-  return entries;
-}
-
 std::vector<Folder> participants_in(const std::string& place, std::vector<std::string>& left_out) {
   std::error_code fault;
   if (!fs::is_directory(place, fault)) {
@@ -75,7 +54,7 @@ std::vector<Folder> participants_in(const std::string& place, std::vector<std::s
   for (const fs::path& path : entries_of(place)) {
     const std::string name = path.filename().string();
     if (!name.starts_with(prefix) || !fs::is_directory(path, fault)) continue;
-    if (const auto number = number_of(name); number && name.find('_') == std::string::npos) {
+    if (const auto number = participant_number(name)) {
       found.push_back({.number = *number, .path = path, .sessions = {}, .left_out = {}});
     } else {
       left_out.push_back(
@@ -159,7 +138,7 @@ void read_participant(Folder& folder) {
     const std::string name = path.filename().string();
     if (!name.ends_with(events_end)) continue;
     if (++files > most_files) throw bad_input(inside.string(), fmt::format("has more than {} logs", most_files));
-    if (number_of(name) != folder.number) {
+    if (participant_number(name.substr(0, name.find('_'))) != folder.number) {
       folder.left_out.push_back(
           fmt::format("{}: the name is not that of a log of participant {}, such as "
                       "sub-{}_task-shapes_events.tsv; it is left out",
@@ -383,6 +362,21 @@ Participant assemble(Folder& folder, const Study& study) {
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> participant_number(std::string_view name) {
+  if (!name.starts_with(prefix)) return std::nullopt;
+  return parse_whole<std::uint32_t>(name.substr(prefix.size()));
+}
+
+std::vector<fs::path> entries_of(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code fault;
+  for (fs::directory_iterator at(folder, fault), end; !fault && at != end; at.increment(fault))
+    entries.push_back(at->path());
+  if (fault) throw bad_input(folder.string(), "cannot be read: " + fault.message());
+  std::ranges::sort(entries);
+  return entries;
+}
 
 Study read_study(std::span<const std::string> places) {
   Study study;

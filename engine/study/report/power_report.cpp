@@ -65,21 +65,11 @@ std::string power_json(const PowerSetting& setting, const PowerResult& result,
   json.begin_object().key("accuracies").begin_array().value(setting.a).value(setting.b).end_array();
   json.member("spread", setting.spread).member("correlation", setting.correlation).member("trials", setting.trials);
   json.member("alpha", setting.alpha).member("power", setting.power).member("studies", setting.studies);
-  json.member("seed", setting.seed).key("participants");
-  if (result.people) {
-    json.value(*result.people);
-  } else {
-    json.null();
-  }
+  json.member("seed", setting.seed).member("participants", result.people);
   json.key("other_correlations").begin_array(JsonWriter::Style::block);
   for (const OtherCorrelation& other : others) {
-    json.begin_object(JsonWriter::Style::line).member("correlation", other.correlation).key("participants");
-    if (other.people) {
-      json.value(*other.people);
-    } else {
-      json.null();
-    }
-    json.end_object();
+    json.begin_object(JsonWriter::Style::line).member("correlation", other.correlation);
+    json.member("participants", other.people).end_object();
   }
   json.end_array().key("rows").begin_array(JsonWriter::Style::block);
   for (const PowerRow& row : result.rows) {

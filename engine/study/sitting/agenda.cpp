@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/json_writer.hpp"
 
 namespace palpa::study {
 
@@ -83,6 +84,18 @@ Agenda agenda_after(std::vector<Step> steps, std::span<const Entry> entries, con
                                         word_of(entry_words, entries[i].kind), fault));
   }
   return agenda;
+}
+
+std::string to_json(const Agenda& agenda, std::uint32_t participant) {
+  JsonWriter json;
+  json.begin_object()
+      .member("participant", participant)
+      .member("complete", agenda.complete())
+      .member("void", agenda.voided())
+      .member("starts", agenda.starts())
+      .member("ended", agenda.finished())
+      .end_object();
+  return json.take();
 }
 
 }  // namespace palpa::study

@@ -55,4 +55,7 @@ class Agenda {
 /// journal is of another plan or was edited. `name` is for messages.
 Agenda agenda_after(std::vector<Step> steps, std::span<const Entry> entries, const std::string& name);
 
+/// How far a participant is, as JSON.
+std::string to_json(const Agenda& agenda, std::uint32_t participant);
+
 }  // namespace palpa::study

@@ -15,6 +15,7 @@
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
 #include "base/error.hpp"
+#include "base/log.hpp"
 
 namespace palpa::study {
 namespace {
@@ -242,6 +243,12 @@ std::string needs_approval(const StudyPlan& plan, const EarLevel& level) {
         plan.file, below_db);
   }
   return {};
+}
+
+void check_signature(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {
+  if (!signature.empty() && needs_approval(plan, level).empty())
+    throw bad_usage("--override has no effect: the level is within the plan's limit; leave it out");
+  if (const std::string doubt = doubt_of_reading(plan, level); !doubt.empty()) log::warning(doubt);
 }
 
 void refuse_loud(const StudyPlan& plan, const EarLevel& level, const std::string& signature) {

@@ -11,7 +11,6 @@
 #include "study/files/events_file.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"
-#include "study/files/tsv.hpp"
 #include "study/sitting/ear_level.hpp"
 
 namespace palpa::study {

@@ -3,11 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "base/error.hpp"
 #include "base/output_file.hpp"
@@ -18,16 +15,6 @@ namespace palpa::study {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<std::uint32_t> number_in(std::string_view name) {
-  constexpr std::string_view prefix = "sub-";
-  if (!name.starts_with(prefix)) return std::nullopt;
-  name.remove_prefix(prefix.size());
-  std::uint32_t number = 0;
-  const auto [end, fault] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (fault != std::errc{} || end != name.data() + name.size()) return std::nullopt;
-  return number;
-}
 
 /// If there is a folder with the number, takes its path.
 void find_existing(const fs::path& study, ParticipantFolder& folder) {
@@ -75,12 +62,11 @@ std::vector<ParticipantFolder> participant_folders(const fs::path& study) {
   std::vector<ParticipantFolder> folders;
   std::error_code fault;
   if (!fs::is_directory(study, fault)) return folders;
-  for (fs::directory_iterator at(study, fault), end; !fault && at != end; at.increment(fault)) {
-    if (const auto number = number_in(at->path().filename().string()))
-      folders.push_back({.number = *number, .path = at->path()});
+  for (const fs::path& path : entries_of(study)) {
+    if (const auto number = participant_number(path.filename().string()))
+      folders.push_back({.number = *number, .path = path});
   }
-  if (fault) throw bad_input(study.string(), "cannot be read: " + fault.message());
-  std::ranges::sort(folders, {}, [](const ParticipantFolder& folder) { return std::pair(folder.number, folder.path); });
+  std::ranges::stable_sort(folders, {}, &ParticipantFolder::number);
   return folders;
 }
 

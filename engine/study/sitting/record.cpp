@@ -14,8 +14,8 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/lines.hpp"
 #include "base/text.hpp"
-#include "study/files/tsv.hpp"
 #include "study/sitting/events_table.hpp"
 #include "study/sitting/same_study.hpp"
 

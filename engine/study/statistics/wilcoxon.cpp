@@ -46,22 +46,14 @@ SignedRank wilcoxon(std::span<const double> differences, Zeros zeros) {
   SignedRank result{.pairs = differences.size()};
   const Ranks ranks = midranks(sizes);
   std::vector<std::size_t> doubled;  // midranks are multiples of a half
-  double zero_ranks = 0;
   for (std::size_t i = 0; i < signs.size(); ++i) {
-    if (signs[i] == 0) {
-      zero_ranks += ranks.of[i];
-      continue;
-    }
+    if (signs[i] == 0) continue;
     (signs[i] > 0 ? result.positive : result.negative) += ranks.of[i];
     doubled.push_back(static_cast<std::size_t>(std::lround(2 * ranks.of[i])));
   }
   result.nonzero = doubled.size();
   const auto zero_count = static_cast<double>(signs.size() - doubled.size());
   const auto observed = static_cast<std::size_t>(std::lround(2 * result.positive));
-  if (zeros == Zeros::split) {
-    result.positive += zero_ranks / 2;
-    result.negative += zero_ranks / 2;
-  }
   if (result.nonzero == 0) return result;
 
   const auto n = static_cast<double>(signs.size());

@@ -7,17 +7,13 @@
 #include <cstddef>
 #include <span>
 
-#include "base/words.hpp"
-
 namespace palpa::study {
 
 /// The treatment of differences of zero.
 enum class Zeros {
   drop,   ///< they are dropped before ranking (Wilcoxon)
   pratt,  ///< they are ranked, then dropped
-  split,  ///< half of their ranks counts for each sign
 };
-inline constexpr Word<Zeros> zeros_words[] = {{"drop", Zeros::drop}, {"pratt", Zeros::pratt}, {"split", Zeros::split}};
 
 struct SignedRank {
   std::size_t pairs = 0;        ///< all differences

@@ -1,5 +1,6 @@
 #include "study/tables/confusion.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace palpa::study {
@@ -40,6 +41,22 @@ std::uint64_t Confusion::correct() const {
 void add(Confusion& table, const Confusion& more) {
   for (std::size_t i = 0; i < table.counts.size(); ++i)
     table.counts[i] += more.counts[i];
+}
+
+std::optional<Confusion> in_order(const Confusion& table, const std::vector<std::string>& shapes) {
+  if (table.size() != shapes.size()) return {};
+  std::vector<std::size_t> from;
+  for (const std::string& shape : shapes) {
+    const auto found = std::ranges::find(table.shapes, shape);
+    if (found == table.shapes.end()) return {};
+    from.push_back(static_cast<std::size_t>(found - table.shapes.begin()));
+  }
+  Confusion ordered(shapes);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    for (std::size_t j = 0; j < shapes.size(); ++j)
+      ordered.at(i, j) = table.at(from[i], from[j]);
+  }
+  return ordered;
 }
 
 double accuracy(const Confusion& table) {

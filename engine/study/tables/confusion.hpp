@@ -31,6 +31,8 @@ struct Confusion {
 
 /// The table of other trials of the same shapes is added.
 void add(Confusion& table, const Confusion& more);
+/// The table with its shapes in this order; empty if they are others.
+std::optional<Confusion> in_order(const Confusion& table, const std::vector<std::string>& shapes);
 
 /// Correct answers over trials, 0 without trials. The quotient of two whole numbers: equal shares are equal doubles.
 double accuracy(const Confusion& table);

@@ -106,19 +106,19 @@ std::optional<LuceFit> luce_fit(const Confusion& table) {
     if (table.at(i, i) == 0) return std::nullopt;
   }
   LuceFit fit;
-  fit.expected = fitted(table);
+  const std::vector<double> expected = fitted(table);
   for (std::size_t i = 0; i < m; ++i) {
     for (std::size_t j = 0; j < m; ++j) {
       const auto n = static_cast<double>(table.at(i, j));
       if (n == 0) continue;
-      fit.deviance += 2 * n * std::log(n / fit.expected[i * m + j]);
-      fit.negative_log_likelihood -= n * std::log(fit.expected[i * m + j] / static_cast<double>(table.row(i)));
+      fit.deviance += 2 * n * std::log(n / expected[i * m + j]);
+      fit.negative_log_likelihood -= n * std::log(expected[i * m + j] / static_cast<double>(table.row(i)));
     }
   }
   fit.deviance = std::max(0.0, fit.deviance);
   fit.degrees = static_cast<double>((m - 1) * (m - 2)) / 2;
   fit.p = chi_square_tail(fit.deviance, fit.degrees);
-  fit.model = {.similarity = similarity_of(fit.expected, m), .bias = chained_bias(fit.expected, m)};
+  fit.model = {.similarity = similarity_of(expected, m), .bias = chained_bias(expected, m)};
   if (fit.model.bias.empty()) return std::nullopt;
   return fit;
 }

@@ -20,7 +20,6 @@ struct LuceFit {
   double degrees = 0;   ///< (m - 1)(m - 2) / 2
   double p = 1;         ///< of a table that fits worse, if the model were true and all trials independent
   double negative_log_likelihood = 0;
-  std::vector<double> expected;  ///< counts, by rows
 };
 /// The fit of largest likelihood. Similarities of shapes that were never confused are 0. Empty if a shape has no trials
 /// or was never recognised, if some shapes are never confused with the others, and for fewer than 3 shapes, which the

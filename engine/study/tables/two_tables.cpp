@@ -46,29 +46,51 @@ std::vector<std::uint64_t> row_of(const Confusion& table, std::size_t i) {
   return {begin, begin + static_cast<std::ptrdiff_t>(table.size())};
 }
 
+/// The shares off the diagonal.
+std::vector<double> errors_of(std::span<const double> shares) {
+  const auto shapes = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(shares.size()))));
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    if (i % (shapes + 1) != 0) errors.push_back(shares[i]);
+  }
+  return errors;
+}
+
 }  // namespace
+
+std::vector<double> shares_of(const Confusion& table) {
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    for (std::size_t j = 0; j < table.size(); ++j)
+      shares.push_back(share(table, i, j).value_or(0));
+  }
+  return shares;
+}
+
+double rms_difference(std::span<const double> a, std::span<const double> b) {
+  double square = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    square += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(square / static_cast<double>(a.size()));
+}
+
+std::optional<Correlation> correlation_of_errors(std::span<const double> a, std::span<const double> b) {
+  return pearson(errors_of(a), errors_of(b));
+}
 
 TwoTables compare(const Confusion& a, const Confusion& b) {
   TwoTables found;
-  std::vector<double> a_errors, b_errors;
-  double squares = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     Difference& row = found.rows.emplace_back(rows_differ(row_of(a, i), row_of(b, i)));
     found.all.chi_square += row.chi_square;
     found.all.likelihood_ratio += row.likelihood_ratio;
     found.all.degrees += row.degrees;
     find_p(row);
-    for (std::size_t j = 0; j < a.size(); ++j) {
-      const double a_share = share(a, i, j).value_or(0), b_share = share(b, i, j).value_or(0);
-      squares += (a_share - b_share) * (a_share - b_share);
-      if (i == j) continue;
-      a_errors.push_back(a_share);
-      b_errors.push_back(b_share);
-    }
   }
   find_p(found.all);
-  found.rms = std::sqrt(squares / static_cast<double>(a.counts.size()));
-  found.errors = pearson(a_errors, b_errors);
+  const std::vector<double> a_shares = shares_of(a), b_shares = shares_of(b);
+  found.rms = rms_difference(a_shares, b_shares);
+  found.errors = correlation_of_errors(a_shares, b_shares);
   const std::uint64_t a_wrong = a.total() - a.correct(), b_wrong = b.total() - b.correct();
   found.correct = rows_differ({a.correct(), a_wrong}, {b.correct(), b_wrong});
   find_p(found.correct);

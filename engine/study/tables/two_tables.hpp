@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "study/statistics/moments.hpp"
@@ -29,5 +30,12 @@ struct TwoTables {
 };
 /// Both must have the same shapes. Shares of shapes without trials count as 0.
 TwoTables compare(const Confusion& a, const Confusion& b);
+
+/// The shares of a table, by rows; 0 for shapes without trials.
+std::vector<double> shares_of(const Confusion& table);
+/// Root mean square difference of the shares of two tables of the same size.
+double rms_difference(std::span<const double> a, std::span<const double> b);
+/// The correlation of their shares off the diagonal.
+std::optional<Correlation> correlation_of_errors(std::span<const double> a, std::span<const double> b);
 
 }  // namespace palpa::study

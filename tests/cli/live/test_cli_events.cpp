@@ -180,7 +180,7 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
                                       "--link", "record:" + drives, "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<std::uint64_t> slots;
-    for (const session::RecordedDrive& recorded : read_to_silence(drives).drives) {
+    for (const RecordedDrive& recorded : read_to_silence(drives).drives) {
       if (loudest(recorded.drive) > 0) slots.push_back(recorded.slot);
     }
     return slots.empty() ? 0.0 : 1.5e-3 * static_cast<double>(slots.back() - slots.front());

@@ -35,7 +35,7 @@ std::string cube() {
   return source_file("assets/cube.glb").string();
 }
 
-bool sounds(const session::RecordedDrive& recorded) {
+bool sounds(const RecordedDrive& recorded) {
   return loudest(recorded.drive) > 0;
 }
 
@@ -52,7 +52,7 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
   for (const char* pass : {"skin count", "clusters", "foci", "drives"})
     EXPECT_TRUE(stats["passes_ms"].contains(pass)) << pass;
 
-  const session::DriveRecording recording = read_to_silence(folder / "d.bin");
+  const DriveRecording recording = read_to_silence(folder / "d.bin");
   EXPECT_EQ(recording.transducers, 3984u);
   EXPECT_EQ(recording.slot_s, 1.5e-3);
   ASSERT_GT(recording.drives.size(), 10u);

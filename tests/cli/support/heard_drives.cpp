@@ -18,8 +18,8 @@ float loudest(const array::Drive& drive) {
   return most;
 }
 
-session::DriveRecording read_to_silence(const std::filesystem::path& recording) {
-  session::DriveRecording heard = session::read_drive_recording(recording);
+DriveRecording read_to_silence(const std::filesystem::path& recording) {
+  DriveRecording heard = read_drive_recording(recording);
   EXPECT_FALSE(heard.drives.empty()) << recording;
   const array::Drive last = heard.drives.empty() ? array::Drive() : heard.drives.back().drive;
   EXPECT_TRUE(std::ranges::all_of(last, [](const auto& t) { return t.amplitude == 0 && t.phase == 0; })) << recording;
@@ -27,8 +27,8 @@ session::DriveRecording read_to_silence(const std::filesystem::path& recording) 
 }
 
 array::Drive last_sound(const std::filesystem::path& recording) {
-  const session::DriveRecording heard = read_to_silence(recording);
-  const auto sounds = [](const session::RecordedDrive& d) { return loudest(d.drive) > 0; };
+  const DriveRecording heard = read_to_silence(recording);
+  const auto sounds = [](const RecordedDrive& d) { return loudest(d.drive) > 0; };
   const auto last = std::find_if(heard.drives.rbegin(), heard.drives.rend(), sounds);
   EXPECT_TRUE(last != heard.drives.rend()) << "it must sound";
   return last == heard.drives.rend() ? array::Drive() : last->drive;

@@ -5,7 +5,7 @@
 
 #include "array/drive.hpp"
 #include "base/math.hpp"
-#include "session/links/record_link.hpp"
+#include "support/drive_recording.hpp"
 
 namespace palpa::test {
 
@@ -13,7 +13,7 @@ namespace palpa::test {
 float loudest(const array::Drive& drive);
 
 /// gtest: it has drives, and the last one is all zero.
-session::DriveRecording read_to_silence(const std::filesystem::path& recording);
+DriveRecording read_to_silence(const std::filesystem::path& recording);
 
 /// The last drive that sounds. gtest: the recording must end in silence after it.
 array::Drive last_sound(const std::filesystem::path& recording);

@@ -46,9 +46,9 @@ TEST(TouchTask, TakesSkinFromMemory) {
   options.compute.backend = setup::Backend::cpu;
   const setup::TouchResult result =
       setup::touch_scene(options, cube(), std::move(solids), setup::skin_points("skin", points));
-  EXPECT_EQ(result.points, points.size());
+  EXPECT_EQ(result.values.points, points.size());
   EXPECT_EQ(result.touch().finger_count, 1u);
-  EXPECT_EQ(untimed(to_json(result)), untimed(to_json(touch(options, 3e-3))));
+  EXPECT_EQ(untimed(to_json(result.values)), untimed(to_json(touch(options, 3e-3).values)));
   points[5].x = 1e39;
   EXPECT_REFUSED(setup::skin_points("skin", points), "skin: vertex 5");
 }
@@ -59,7 +59,7 @@ TEST(TouchTask, NothingTouchedIsNoError) {
   options.array.layout = "openmpd";
   const setup::TouchResult result = touch(options, -1e-3);
   EXPECT_TRUE(result.touch().contacts.empty());
-  EXPECT_TRUE(result.pressures.empty());
+  EXPECT_TRUE(result.values.pressures.empty());
   EXPECT_FALSE(result.unreached);
 }
 

@@ -1,10 +1,8 @@
-#include "study/files/tsv.hpp"
-
-#include <system_error>
+#include "base/lines.hpp"
 
 #include "base/input_file.hpp"
 
-namespace palpa::study {
+namespace palpa {
 
 Lines::Lines(std::string_view text) : rest_(text.substr(mark_of(text))) {}
 
@@ -29,4 +27,4 @@ std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   }
 }
 
-}  // namespace palpa::study
+}  // namespace palpa

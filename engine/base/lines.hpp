@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace palpa::study {
+namespace palpa {
 
 /// Goes through a text line by line.
 class Lines {
@@ -29,7 +29,4 @@ class Lines {
 /// The cells between separators, as they are.
 std::vector<std::string_view> cells_of(std::string_view line, char separator);
 
-/// BIDS' word for a value that does not exist.
-inline constexpr std::string_view not_available = "n/a";
-
-}  // namespace palpa::study
+}  // namespace palpa
