@@ -59,19 +59,14 @@ class Upload {
   std::span<T> as() const {
     return {reinterpret_cast<T*>(mapped_), static_cast<std::size_t>(ref().size / sizeof(T))};
   }
-  BufferRef ref() const { return device_ ? device_.ref() : host_.ref(); }
+  BufferRef ref() const { return device_.size() ? device_.ref() : host_.ref(); }
   /// Call after the host has written: copies the first `bytes` and makes them visible to later compute, indirect,
   /// vertex and transfer reads. Records nothing if memory is unified, because a submit makes host writes visible.
   void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;
 
  private:
-  struct Staged {
-    Buffer buffer;
-    explicit operator bool() const { return buffer.size() != 0; }
-    BufferRef ref() const { return buffer.ref(); }
-  };
   Buffer host_;
-  Staged device_;
+  Buffer device_;
   std::byte* mapped_ = nullptr;
 };
 
