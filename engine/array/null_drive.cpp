@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <utility>
 
 #include "array/solvers/hearing.hpp"
 
@@ -102,20 +101,14 @@ void find_weights(const Columns& columns, std::span<const double> gains, std::sp
 }
 
 /// The pressure of the weakest focus, relative to its target.
-double weakest_of(std::span<const Complex> sums, NullScratch& scratch) {
+double loudness_of_weakest(std::span<const Complex> sums, NullScratch& scratch) {
   scratch.sums.reset(1, sums.size());
   for (std::size_t n = 0; n < sums.size(); ++n) {
     scratch.sums.re[n] = sums[n].real();
     scratch.sums.im[n] = sums[n].imag();
   }
-  double weakest = 0;
-  bool first = true;
-  for (std::size_t j = 0; j < scratch.targets.size(); ++j) {
-    if (!(scratch.targets[j] > 0)) continue;
-    const double loud = magnitude(product(scratch.sounds, j, scratch.sums, 0)) / scratch.targets[j];
-    weakest = std::exchange(first, false) ? loud : std::min(weakest, loud);
-  }
-  return weakest;
+  return weakest_of(scratch.targets,
+                    [&](std::size_t j) { return magnitude(product(scratch.sounds, j, scratch.sums, 0)); });
 }
 
 /// Brings the sums within the constraint, as loud as gs_pat would.
@@ -194,18 +187,18 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
     sums[n] = scratch.sums.at(0, n);
   double weakest = 0;
   if (constraint == Constraint::normalise) {
-    weakest = weakest_of(sums, scratch);
+    weakest = loudness_of_weakest(sums, scratch);
   } else {
     const SilentGoal goal{scratch.sounds, scratch.targets, nulls.rows(), rows, nulls.loudness()};
     scratch.other.assign(sums.begin(), sums.end());
     bound(constraint, sums);
-    const double before = weakest_of(sums, scratch);
+    const double before = loudness_of_weakest(sums, scratch);
     const Silenced silenced = silent_phases(goal, sums, scratch.silent);
-    weakest = weakest_of(sums, scratch);
+    weakest = loudness_of_weakest(sums, scratch);
     if (constraint == Constraint::clamp && weakest < null_clamp_keeps * before) {
       bound(Constraint::uniform, scratch.other);
       const double depth = silent_phases(goal, scratch.other, scratch.silent).depth;
-      const double loud = weakest_of(scratch.other, scratch);
+      const double loud = loudness_of_weakest(scratch.other, scratch);
       if (loud > weakest && depth <= std::max(silent_depth, silenced.depth)) {
         std::ranges::copy(scratch.other, sums.begin());
         weakest = loud;

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "base/input_file.hpp"
@@ -29,15 +29,8 @@ void Sha256::add(std::string_view bytes) {
 }
 
 std::string Sha256::hex() {
-  std::array<std::uint8_t, SHA256_DIGEST_LENGTH> bytes{};
-  SHA256Final(bytes.data(), &state_->context);
-  constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    text += digits[byte >> 4U];
-    text += digits[byte & 15U];
-  }
-  return text;
+  std::array<char, SHA256_DIGEST_STRING_LENGTH> digits{};
+  return SHA256End(&state_->context, digits.data());
 }
 
 std::string sha256(std::string_view bytes) {
@@ -46,7 +39,7 @@ std::string sha256(std::string_view bytes) {
   return digest.hex();
 }
 
-FileDigest sha256_of_file(const std::filesystem::path& path) {
+std::string sha256_of_file(const std::filesystem::path& path) {
   constexpr std::uint64_t piece = 1U << 20;
   const InputFile file(path);
   Sha256 digest;
@@ -56,7 +49,7 @@ FileDigest sha256_of_file(const std::filesystem::path& path) {
     file.read_at(at, buffer);
     digest.add({reinterpret_cast<const char*>(buffer.data()), buffer.size()});
   }
-  return {digest.hex(), file.size()};
+  return digest.hex();
 }
 
 }  // namespace palpa

@@ -1,7 +1,6 @@
 // SHA-256 (FIPS 180-4), by which results name the files that they were computed from.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -28,11 +27,7 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-struct FileDigest {
-  std::string sha256;
-  std::uint64_t bytes = 0;
-};
 /// Reads the whole file, piece by piece. Throws bad_input as InputFile does; an empty file is refused.
-FileDigest sha256_of_file(const std::filesystem::path& file);
+std::string sha256_of_file(const std::filesystem::path& file);
 
 }  // namespace palpa

@@ -1,6 +1,7 @@
 #include "drawing/png.hpp"
 
 #include <fmt/core.h>
+#include <png.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -9,18 +10,16 @@
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "base/output_file.hpp"
-#include "drawing/libpng.hpp"
 
 namespace palpa::drawing {
 namespace {
 
-PngPicture picture_in(const std::filesystem::path& file, const std::string& bytes) {
-  try {
-    return PngPicture(bytes);
-  } catch (const PngFault& fault) {
-    throw bad_input(file.string(), fmt::format("is not a PNG picture ({})", fault.what()));
-  }
-}
+struct PngImage : png_image {
+  PngImage() : png_image{} { version = PNG_IMAGE_VERSION; }
+  PngImage(const PngImage&) = delete;
+  PngImage& operator=(const PngImage&) = delete;
+  ~PngImage() { png_image_free(this); }
+};
 
 }  // namespace
 
@@ -31,29 +30,39 @@ void write_png(const std::filesystem::path& file, const Pixels& pixels) {
     rgb.insert(rgb.end(), pixels.rgba.begin() + static_cast<std::ptrdiff_t>(i),
                pixels.rgba.begin() + static_cast<std::ptrdiff_t>(i + 3));
   }
+  PngImage image;
+  image.width = pixels.width;
+  image.height = pixels.height;
+  image.format = PNG_FORMAT_RGB;
   std::string bytes;
-  try {
-    bytes = png_of_picture(pixels.width, pixels.height, rgb);
-  } catch (const PngFault& fault) {
+  png_alloc_size_t size = 0;
+  const auto encode = [&](char* out) {
+    if (png_image_write_to_memory(&image, out, &size, 0, rgb.data(), 0, nullptr)) return;
     throw failure(
-        fmt::format("{}: cannot encode {}x{} pixels: {}", file.string(), pixels.width, pixels.height, fault.what()));
-  }
+        fmt::format("{}: cannot encode {}x{} pixels: {}", file.string(), pixels.width, pixels.height, image.message));
+  };
+  encode(nullptr);
+  bytes.resize(size);
+  encode(bytes.data());
+  bytes.resize(size);
   write_file(file, bytes);
 }
 
 Pixels read_png(const std::filesystem::path& file) {
   constexpr std::uint32_t most = 16384;
   const std::string bytes = read_file(file, std::uint64_t{most} * most * 4);
-  PngPicture picture = picture_in(file, bytes);
-  if (picture.width() > most || picture.height() > most) {
-    throw bad_input(file.string(), fmt::format("is {}x{} pixels large; it may have at most {} on a side",
-                                               picture.width(), picture.height(), most));
+  PngImage image;
+  if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()))
+    throw bad_input(file.string(), fmt::format("is not a PNG picture ({})", image.message));
+  if (image.width > most || image.height > most) {
+    throw bad_input(file.string(), fmt::format("is {}x{} pixels large; it may have at most {} on a side", image.width,
+                                               image.height, most));
   }
-  try {
-    return {picture.width(), picture.height(), picture.read_rgba()};
-  } catch (const PngFault& fault) {
-    throw bad_input(file.string(), fmt::format("is a broken PNG picture ({})", fault.what()));
-  }
+  image.format = PNG_FORMAT_RGBA;
+  Pixels pixels{image.width, image.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(image))};
+  if (!png_image_finish_read(&image, nullptr, pixels.rgba.data(), 0, nullptr))
+    throw bad_input(file.string(), fmt::format("is a broken PNG picture ({})", image.message));
+  return pixels;
 }
 
 double mean_difference(const Pixels& a, const Pixels& b) {

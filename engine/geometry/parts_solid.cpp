@@ -16,6 +16,7 @@
 #include "base/cache_file.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "geometry/mesh/shells.hpp"
 #include "geometry/mesh/topology.hpp"
 #include "geometry/text.hpp"
 
@@ -34,7 +35,8 @@ Part read_part(const Scene& scene, const SceneMesh& mesh) {
     refuse(scene, mesh, "is not closed and consistently oriented; a part is a closed convex mesh");
   }
   const std::vector<std::uint32_t> twin = twins(welded);
-  if (count_shells(twin) != 1) refuse(scene, mesh, "is in several pieces; a part is one convex mesh");
+  if (find_shells(welded, twin).list.size() != 1)
+    refuse(scene, mesh, "is in several pieces; a part is one convex mesh");
   std::optional<Part> part = make_part(welded.positions);
   if (!part) refuse(scene, mesh, "is flat; a part encloses a volume");
   const double tolerance = flatness_tolerance(welded);

@@ -138,12 +138,10 @@ std::vector<std::vector<std::uint32_t>> pieces_that_meet(const std::vector<Candi
   for (glm::uvec3& t : all.triangles)
     t = glm::uvec3(index[t[0]], index[t[1]], index[t[2]]);
   UnionFind groups(open.size());
-  const std::vector<Side> sides = sorted_sides(all);
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    if (sides[i].low == sides[i + 1].low && sides[i].high == sides[i + 1].high) {
-      groups.join(owner[sides[i].side / 3], owner[sides[i + 1].side / 3]);
-    }
-  }
+  for_each_edge(all, [&](std::span<const Side> sides) {
+    for (const Side& side : sides)
+      groups.join(owner[sides[0].side / 3], owner[side.side / 3]);
+  });
   std::map<std::uint32_t, std::vector<std::uint32_t>> by_first;
   for (std::uint32_t i = 0; i < open.size(); ++i)
     by_first[groups.find(i)].push_back(i);

@@ -61,11 +61,11 @@ Upload::Upload(const Device& device, VkDeviceSize size, const char* name)
     : host_(device, size, name, host_memory,
             device.unified_memory() ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT : 0),
       mapped_(host_.map(device)) {
-  if (!device.unified_memory()) device_.buffer = Buffer(device, size, name);
+  if (!device.unified_memory()) device_ = Buffer(device, size, name);
 }
 
 void Upload::record(VkCommandBuffer commands, VkDeviceSize bytes) const {
-  if (!device_) return;
+  if (device_.size() == 0) return;
   copy(commands, host_.ref(), device_.ref(), bytes);
   transfer_to_use(commands);
 }

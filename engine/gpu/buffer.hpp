@@ -61,7 +61,7 @@ class Upload {
   std::span<T> as() const {
     return {reinterpret_cast<T*>(mapped_), static_cast<std::size_t>(ref().size / sizeof(T))};
   }
-  BufferRef ref() const { return device_ ? device_.ref() : host_.ref(); }
+  BufferRef ref() const { return device_.size() ? device_.ref() : host_.ref(); }
   /// Writes these values from the beginning on. A buffer that is too small is replaced by a larger one. Returns their
   /// number of bytes.
   template <typename T>
@@ -77,13 +77,8 @@ class Upload {
   void record(VkCommandBuffer commands, VkDeviceSize bytes = VK_WHOLE_SIZE) const;
 
  private:
-  struct Staged {
-    Buffer buffer;
-    explicit operator bool() const { return buffer.size() != 0; }
-    BufferRef ref() const { return buffer.ref(); }
-  };
   Buffer host_;
-  Staged device_;
+  Buffer device_;
   std::byte* mapped_ = nullptr;
 };
 

@@ -104,28 +104,25 @@ bool has_extension(VkPhysicalDevice physical, const char* name) {
                      [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
+struct QueueFamily {
+  std::uint32_t index, timestamp_bits;
+};
+
 /// A queue family that computes and, if there is one, also draws.
-std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
+std::optional<QueueFamily> find_queue_family(VkPhysicalDevice physical) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-  std::optional<std::uint32_t> computes;
+  std::optional<QueueFamily> computes;
   for (std::uint32_t i = 0; i < count; ++i) {
     const VkQueueFlags flags = families[i].queueFlags;
-    if (!(flags & VK_QUEUE_COMPUTE_BIT) || families[i].timestampValidBits == 0) continue;
-    if (flags & VK_QUEUE_GRAPHICS_BIT) return i;
-    if (!computes) computes = i;
+    const QueueFamily family{i, families[i].timestampValidBits};
+    if (!(flags & VK_QUEUE_COMPUTE_BIT) || family.timestamp_bits == 0) continue;
+    if (flags & VK_QUEUE_GRAPHICS_BIT) return family;
+    if (!computes) computes = family;
   }
   return computes;
-}
-
-std::uint32_t timestamp_bits(VkPhysicalDevice physical, std::uint32_t family) {
-  std::uint32_t count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-  return families[family].timestampValidBits;
 }
 
 const char* kind_name(VkPhysicalDeviceType type) {
@@ -409,8 +406,8 @@ void Device::choose_physical(const DeviceOptions& options) {
 
 void Device::create_device(bool window) {
   require_room_for(description_);
-  queue_family_ = find_queue_family(physical_).value();
-  const std::uint32_t bits = timestamp_bits(physical_, queue_family_);
+  const auto [family, bits] = find_queue_family(physical_).value();
+  queue_family_ = family;
   timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};

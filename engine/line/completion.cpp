@@ -27,14 +27,6 @@ std::string short_help(const OptionInfo& option) {
   return text.size() <= most ? text : text.substr(0, text.rfind(' ', most)) + " ...";
 }
 
-/// In single quotes, for a shell.
-std::string single(const std::string& text) {
-  std::string safe = "'";
-  for (const char c : text)
-    safe += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return safe + "'";
-}
-
 /// The subcommands' first words with what may follow them.
 std::map<std::string, std::vector<std::string>> words_by_first(const std::string& program,
                                                                const std::vector<CompletedCommand>& commands) {
@@ -50,20 +42,20 @@ std::map<std::string, std::vector<std::string>> words_by_first(const std::string
 }
 
 std::string bash_case(const std::string& words, const CompletedCommand& command) {
-  std::string text = fmt::format("    {})\n      case $prev in\n", words.empty() ? "*" : single(words));
+  std::string text = fmt::format("    {})\n      case $prev in\n", words.empty() ? "*" : shell_quoted(words));
   std::string names;
   for (const OptionInfo& option : command.options) {
     names += (names.empty() ? "" : " ") + option.name;
     if (!option.words.empty()) {
       text += fmt::format("        {}) COMPREPLY=($(compgen -W {} -- \"$cur\")); return ;;\n", option.name,
-                          single(fmt::format("{}", fmt::join(option.words, " "))));
+                          shell_quoted(fmt::format("{}", fmt::join(option.words, " "))));
     } else if (takes_file(option)) {
       text += fmt::format("        {}) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", option.name);
     } else if (!option.flag) {
       text += fmt::format("        {}) return ;;\n", option.name);
     }
   }
-  return text + fmt::format("      esac\n      options={} ;;\n", single(names + " --help"));
+  return text + fmt::format("      esac\n      options={} ;;\n", shell_quoted(names + " --help"));
 }
 
 std::string bash(const std::string& program, const std::vector<CompletedCommand>& commands) {
@@ -81,14 +73,14 @@ std::string bash(const std::string& program, const std::vector<CompletedCommand>
       all += first + " ";
     text +=
         fmt::format("  if ((COMP_CWORD == 1)); then\n    COMPREPLY=($(compgen -W {} -- \"$cur\"))\n    return\n  fi\n",
-                    single(all + "help --help --version"));
+                    shell_quoted(all + "help --help --version"));
     for (const auto& [first, seconds] : firsts) {
       if (seconds.empty()) continue;
       text += fmt::format(
           "  if [[ $command == {0} ]]; then\n    if ((COMP_CWORD == 2)); then\n"
           "      COMPREPLY=($(compgen -W {1} -- \"$cur\"))\n      return\n    fi\n    command+=\" "
           "${{COMP_WORDS[2]}}\"\n  fi\n",
-          first, single(fmt::format("{}", fmt::join(seconds, " "))));
+          first, shell_quoted(fmt::format("{}", fmt::join(seconds, " "))));
     }
   }
   text += "  case $command in\n";
@@ -119,7 +111,7 @@ std::string zsh_option(const OptionInfo& option) {
       spec += "_files";
     }
   }
-  return fmt::format("      {} \\\n", single(spec));
+  return fmt::format("      {} \\\n", shell_quoted(spec));
 }
 
 std::string zsh(const std::string& program, const std::vector<CompletedCommand>& commands) {
@@ -136,7 +128,8 @@ std::string zsh(const std::string& program, const std::vector<CompletedCommand>&
   for (const auto& [first, seconds] : firsts) {
     const auto command = std::ranges::find_if(
         commands, [&, &word = first](const CompletedCommand& one) { return words_of(one, program) == word; });
-    text += fmt::format("  {}\n", single(command == commands.end() ? first : first + ":" + command->text.summary));
+    text +=
+        fmt::format("  {}\n", shell_quoted(command == commands.end() ? first : first + ":" + command->text.summary));
   }
   text +=
       ")\nif ((CURRENT == 2)); then\n  _describe subcommand subcommands\n  return\nfi\nlocal command=$words[2]\nshift "
@@ -150,7 +143,7 @@ std::string zsh(const std::string& program, const std::vector<CompletedCommand>&
   }
   text += "case $command in\n";
   for (const CompletedCommand& command : commands)
-    text += fmt::format("  {})\n{}    ;;\n", single(words_of(command, program)), arguments(command));
+    text += fmt::format("  {})\n{}    ;;\n", shell_quoted(words_of(command, program)), arguments(command));
   return text + "esac\n";
 }
 
@@ -160,9 +153,9 @@ std::string fish(const std::string& program, const std::vector<CompletedCommand>
   for (const auto& [first, seconds] : firsts) {
     const auto command = std::ranges::find_if(
         commands, [&, &word = first](const CompletedCommand& one) { return words_of(one, program) == word; });
-    text +=
-        fmt::format("complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
-                    command == commands.end() ? std::string() : fmt::format(" -d {}", single(command->text.summary)));
+    text += fmt::format(
+        "complete -c {} -n __fish_use_subcommand -f -a {}{}\n", program, first,
+        command == commands.end() ? std::string() : fmt::format(" -d {}", shell_quoted(command->text.summary)));
     if (seconds.empty()) continue;
     text += fmt::format(
         "complete -c {0} -n '__fish_seen_subcommand_from {1}; and not __fish_seen_subcommand_from {2}' -f -a '{2}'\n",
@@ -175,8 +168,8 @@ std::string fish(const std::string& program, const std::vector<CompletedCommand>
       condition += (condition.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + word);
     for (const OptionInfo& option : command.options) {
       text += fmt::format("complete -c {}{} -l {} -d {}", program,
-                          condition.empty() ? std::string() : fmt::format(" -n {}", single(condition)),
-                          option.name.substr(2), single(short_help(option)));
+                          condition.empty() ? std::string() : fmt::format(" -n {}", shell_quoted(condition)),
+                          option.name.substr(2), shell_quoted(short_help(option)));
       if (!option.words.empty()) {
         text += fmt::format(" -x -a '{}'", fmt::join(option.words, " "));
       } else if (!option.flag) {

@@ -39,15 +39,18 @@ bool is_plain(char c) {
          std::string_view("-_./:,=+@%").find(c) != std::string_view::npos;
 }
 
-std::string quoted(const std::string& word) {
-  if (!word.empty() && std::ranges::all_of(word, is_plain)) return word;
-  std::string text = "'";
-  for (const char c : word)
-    text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
+std::string quoted_if_needed(const std::string& word) {
+  return !word.empty() && std::ranges::all_of(word, is_plain) ? word : shell_quoted(word);
 }
 
 }  // namespace
+
+std::string shell_quoted(const std::string& text) {
+  std::string safe = "'";
+  for (const char c : text)
+    safe += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return safe + "'";
+}
 
 std::vector<OptionInfo> option_table(const CLI::App& app) {
   std::vector<OptionInfo> table;
@@ -125,7 +128,7 @@ std::string command_line(std::string_view command, const std::vector<OptionInfo>
     if (found == given.end()) continue;
     if (found->second.empty()) line += " " + info.name;
     for (const std::string& value : found->second)
-      line += " " + info.name + (value.starts_with('-') ? "=" : " ") + quoted(value);
+      line += " " + info.name + (value.starts_with('-') ? "=" : " ") + quoted_if_needed(value);
   }
   return line;
 }

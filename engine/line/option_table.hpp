@@ -41,6 +41,8 @@ Given known_to(const std::vector<OptionInfo>& table, const Given& given);
 /// of other options stay unchanged. Throws bad_usage for invalid values, as parse() does.
 void read_given(CLI::App& app, const Given& given);
 
+/// In single quotes, for a shell.
+std::string shell_quoted(const std::string& text);
 /// The given options as words of a command line.
 std::vector<std::string> words_of(const Given& given);
 /// `command` and the given options, in the table's order, as text for a shell; quoted with "'" if necessary.

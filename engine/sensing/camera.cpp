@@ -15,11 +15,6 @@ Vec2 project(const Camera& camera, const Vec3& point_camera) {
   return {camera.fx * n.x + camera.cx, camera.fy * n.y + camera.cy};
 }
 
-Vec2 undistort(const Camera& camera, const Vec2& pixel) {
-  const Vec2 target{(pixel.x - camera.cx) / camera.fx, (pixel.y - camera.cy) / camera.fy};
-  return Lens(camera.distortion, false).undo(target, target).value_or(Vec2(std::numeric_limits<double>::quiet_NaN()));
-}
-
 std::string implausible_unit(double depth_unit_m) {
   constexpr double coarsest = 0.01, finest = 1e-6;
   if (depth_unit_m >= finest && depth_unit_m <= coarsest) return {};
@@ -34,12 +29,6 @@ std::string implausible_range(double min_range_m) {
   if (min_range_m <= largest) return {};
   return fmt::format("min_range_m = {:g} makes all depths below {:g} m no data; if it is in millimetres, write {:g}",
                      min_range_m, min_range_m, min_range_m / 1000);
-}
-
-Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth) {
-  const double z = depth * camera.depth_unit_m;
-  const Vec2 n = undistort(camera, {u, v});
-  return transform_point(camera.T_world_camera, Vec3(n * z, z));
 }
 
 std::optional<Vec2> find_blind_pixel(const Camera& camera) {

@@ -68,16 +68,19 @@ inline bool is_ignored(const Camera& camera, std::uint32_t u, std::uint32_t v) {
   return camera.mask && camera.mask->pixels[std::size_t{v} * camera.width + u] == 0;
 }
 
+/// Takes away roi, mask and background.
+inline void see_all(Camera& camera) {
+  camera.roi.reset();
+  camera.mask.reset();
+  camera.background.reset();
+}
+
 /// Pixel of a point in camera coordinates (z > 0), distorted.
 Vec2 project(const Camera& camera, const Vec3& point_camera);
-/// Normalised coordinates (x/z, y/z) of the ray through a pixel: undoes the distortion to within 1e-9. Both are NaN if
-/// no ray of the lens model reaches that pixel, or only a ray beyond the circle where the model folds back on itself.
-Vec2 undistort(const Camera& camera, const Vec2& pixel);
-/// World point of pixel (u, v) at raw depth d > 0, in double precision.
-Vec3 deproject(const Camera& camera, double u, double v, std::uint16_t depth);
 
-/// A pixel for which undistort() finds no ray. Tests the image in steps of one 32nd, including the corners (the model
-/// is a polynomial). nullopt if the lens covers the whole image.
+/// A pixel that no ray of the lens model reaches, or only a ray beyond the circle where the model folds back on itself.
+/// Tests the image in steps of one 32nd, including the corners (the model is a polynomial). nullopt if the lens covers
+/// the whole image.
 std::optional<Vec2> find_blind_pixel(const Camera& camera);
 
 /// The smallest valid raw depth: at least 1 (0 means no data) and not nearer than `min_range_m`. Above 65535 if the

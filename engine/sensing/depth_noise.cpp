@@ -6,14 +6,13 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/random.hpp"
+
 namespace palpa::sensing {
 namespace {
 
-std::uint64_t mix64(std::uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
+std::uint64_t mixed(std::uint64_t x) {
+  return Random(x).next();
 }
 
 /// 32 random bits for a place; written so that compilers vectorise it.
@@ -97,7 +96,7 @@ bool lost_to_grazing(float cosine, std::uint32_t draw) {
 }  // namespace
 
 std::uint64_t noise_key(std::uint64_t seed, std::uint64_t sequence, std::uint64_t camera) {
-  return mix64(mix64(mix64(seed) ^ sequence) ^ camera);
+  return mixed(mixed(mixed(seed) ^ sequence) ^ camera);
 }
 
 void quantize(const DepthImage& image, std::vector<std::uint16_t>& out) {
@@ -186,7 +185,7 @@ void DepthNoise::apply(const DepthImage& image, std::span<const Risk> risks, std
                        std::uint64_t key, std::vector<std::uint16_t>& out) {
   const std::uint32_t width = image.camera.width, height = image.camera.height;
   const Disparities disparities(image.camera);
-  const std::uint64_t faults_key = mix64(key);
+  const std::uint64_t faults_key = mixed(key);
   const auto faults_a = static_cast<std::uint32_t>(faults_key), faults_b = static_cast<std::uint32_t>(faults_key >> 32);
 
   out.assign(image.depth.size(), 0);

@@ -14,6 +14,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "geometry/mesh/topology.hpp"
 #include "sensing/flat_patches.hpp"
 #include "sensing/target.hpp"
 
@@ -64,17 +65,16 @@ std::string what_is_seen(const StillImage& image) {
 /// Samples evenly spread over the mesh, except its underside.
 std::vector<Sample> samples_of(const geometry::Mesh& mesh) {
   std::vector<Sample> samples;
-  for (const glm::uvec3& t : mesh.triangles) {
+  for (std::uint32_t face = 0; face < mesh.triangles.size(); ++face) {
+    const Vec3 normal = unit_normal(mesh, face);
+    if (normal.z <= 0) continue;
+    const glm::uvec3& t = mesh.triangles[face];
     const Vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-    const Vec3 across = glm::cross(b - a, c - a);
-    const double length = glm::length(across);
-    if (!(length > 0) || across.z <= 0) continue;
-    const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-    const int n = std::max(1, static_cast<int>(std::lround(longest / sample_m)));
+    const int n = std::max(1, static_cast<int>(std::lround(longest_side(mesh, face) / sample_m)));
     for (int i = 0; i < n; ++i) {
       for (int j = 0; i + j < n; ++j) {
         const double u = (i + 1.0 / 3) / n, v = (j + 1.0 / 3) / n;
-        samples.push_back({a + u * (b - a) + v * (c - a), across / length});
+        samples.push_back({a + u * (b - a) + v * (c - a), normal});
       }
     }
   }

@@ -88,9 +88,7 @@ StillImage StillFrames::finish() const {
   const std::vector<bool> rim = near_steps(depth, image.width, image.height, std::min(camera_.fx, camera_.fy));
 
   Camera whole = camera_;
-  whole.roi.reset();
-  whole.mask.reset();
-  whole.background.reset();
+  see_all(whole);
   const RayTables tables = make_rays(std::span(&whole, 1));
   for (std::uint32_t v = 0; v < image.height; ++v) {
     for (std::uint32_t u = 0; u < image.width; ++u) {

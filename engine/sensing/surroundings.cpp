@@ -38,11 +38,6 @@ bool contains(const Box& outer, const Box& inner) {
   return true;
 }
 
-shader::vec4 row_of(const Transform& T, int row) {
-  return {static_cast<float>(T[0][row]), static_cast<float>(T[1][row]), static_cast<float>(T[2][row]),
-          static_cast<float>(T[3][row])};
-}
-
 shader::vec4 corner_of(const Vec3& corner) {
   return {static_cast<float>(corner.x), static_cast<float>(corner.y), static_cast<float>(corner.z), 0};
 }

@@ -53,4 +53,10 @@ std::size_t most_drops(const Surroundings& surroundings);
 /// Whether points on the mesh's surface (world) can lie in the slab.
 bool reaches_into(const geometry::Mesh& mesh, const Slab& slab);
 
+/// A row of a transform, for a kernel.
+inline shader::vec4 row_of(const Transform& T, int row) {
+  return {static_cast<float>(T[0][row]), static_cast<float>(T[1][row]), static_cast<float>(T[2][row]),
+          static_cast<float>(T[3][row])};
+}
+
 }  // namespace palpa::sensing

@@ -43,11 +43,8 @@ void SyntheticRig::Layer::copy(const Layer& from, const PixelBox& box, std::uint
 
 /// The same cameras without ignored pixels: a camera also sees what it is told to ignore.
 static std::vector<Camera> seeing_all(std::vector<Camera> cameras) {
-  for (Camera& camera : cameras) {
-    camera.roi.reset();
-    camera.mask.reset();
-    camera.background.reset();
-  }
+  for (Camera& camera : cameras)
+    see_all(camera);
   return cameras;
 }
 

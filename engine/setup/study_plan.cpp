@@ -87,7 +87,7 @@ study::StudyPlan load_plan(const std::string& file) {
   for (const std::string& doubt : study::doubts_of(plan))
     log::warning(fmt::format("{}: {}", printable(plan.file), doubt));
   for (study::PlanShape& shape : plan.shapes)
-    shape.model_sha256 = sha256_of_file(shape.model).sha256;
+    shape.model_sha256 = sha256_of_file(shape.model);
   for (study::PlanShape& shape : plan.shapes)
     shape.asks_pressure = may_ask_pressure(shape.model);
   return plan;

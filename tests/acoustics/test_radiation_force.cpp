@@ -323,7 +323,7 @@ TEST(SphereGrid, ValuesAndCoefficientsAreTheSameFunction) {
     EXPECT_NEAR(solid_angle, 4 * pi, 1e-11);
     std::mt19937 random(4);
     std::vector<Complex> coefficients;
-    while (coefficients.size() < grid.coefficient_count())
+    while (coefficients.size() < (order + 1) * (order + 1))
       coefficients.emplace_back(static_cast<double>(random() % 2001) - 1000,
                                 static_cast<double>(random() % 2001) - 1000);
     const std::vector<Complex> values = grid.values(coefficients), back = grid.coefficients(values);

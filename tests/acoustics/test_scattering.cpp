@@ -64,6 +64,24 @@ const RigidBody& fine_sphere() {
   return sphere_of(test::instrumented() ? 9 : 14);
 }
 
+/// h_n = j_n + i y_n, which turns outwards.
+Complex hankel(unsigned order, double x) {
+  return {std::sph_bessel(order, x), std::sph_neumann(order, x)};
+}
+
+/// Total pressure of the plane wave e^{ik d.x} outside the rigid sphere about the origin.
+Complex sphere_in_plane_wave(double k, double a, const Vec3& direction, const Vec3& place) {
+  const double ka = k * a, distance = glm::length(place);
+  const double cosine = std::clamp(glm::dot(direction, place) / distance, -1.0, 1.0);
+  Complex sum = std::polar(1.0, k * glm::dot(direction, place));
+  for (unsigned n = 0; n < 40; ++n) {
+    const Complex slope = n / ka * hankel(n, ka) - hankel(n + 1, ka);
+    const Complex factor = (2.0 * n + 1) * std::polar(1.0, n * pi / 2) * slope.real() / slope;
+    sum -= factor * hankel(n, k * distance) * std::legendre(n, cosine);
+  }
+  return sum;
+}
+
 TEST(SphereSeries, IsTheKnownNumbers) {
   const double ka = 5.86186384343285, k = ka / radius;
   const struct {

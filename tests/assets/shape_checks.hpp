@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "geometry/mesh/mesh.hpp"
+#include "geometry/mesh/shells.hpp"
 #include "geometry/mesh/topology.hpp"
 
 namespace palpa::assets {
@@ -19,7 +20,7 @@ inline void expect_sphere_like(const geometry::Mesh& mesh) {
   EXPECT_EQ(welded.positions.size(), mesh.positions.size());
   ASSERT_EQ(welded.triangles.size(), mesh.triangles.size());
   ASSERT_TRUE(geometry::find_defects(welded).closed_and_oriented());
-  EXPECT_EQ(geometry::count_shells(geometry::twins(welded)), 1U);
+  EXPECT_EQ(geometry::find_shells(welded, geometry::twins(welded)).list.size(), 1U);
   // Euler: V - E + F = 2 and E = 3 F / 2.
   EXPECT_EQ(2 * mesh.positions.size(), mesh.triangles.size() + 4);
   EXPECT_GT(geometry::signed_volume(mesh), 0.0);

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "base/version.hpp"
 #include "cli/support/boxes.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/terminal.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "geometry/parts/vhacd.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
@@ -70,7 +70,7 @@ TEST(LongWork, SaysWhatItDoesAndEndsAtOnceOnCtrlCWithoutAFile) {
             {"decompose --scene IN/bumps.glb --resolution 4M --out IN/out/a.glb",
              {"mesh \"bumps\": cutting it into convex parts"}}};
   for (const auto& [line, told] : lines) {
-    if (line.starts_with("decompose") && !geometry::has_vhacd()) continue;
+    if (line.starts_with("decompose") && !built_with("V-HACD")) continue;
     SCOPED_TRACE(line);
     Terminal terminal(words_of(line, names));
     for (const std::string& part : told)

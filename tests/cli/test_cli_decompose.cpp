@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/version.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/report.hpp"
@@ -14,7 +15,6 @@
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf/write.hpp"
-#include "geometry/parts/vhacd.hpp"
 #include "geometry/parts_solid.hpp"
 #include "support/json.hpp"
 #include "support/shapes.hpp"
@@ -60,7 +60,7 @@ class DecomposeConvex : public testing::Test {
 class Decompose : public DecomposeConvex {
  protected:
   void SetUp() override {
-    if (!geometry::has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD";
+    if (!built_with("V-HACD")) GTEST_SKIP() << "skipped: built without V-HACD";
   }
 };
 
@@ -194,7 +194,7 @@ TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
 }
 
 TEST_F(DecomposeConvex, WithoutVhacdAConcaveMeshIsRefusedWithHowToGetIt) {
-  if (geometry::has_vhacd()) GTEST_SKIP() << "skipped: built with V-HACD";
+  if (built_with("V-HACD")) GTEST_SKIP() << "skipped: built with V-HACD";
   expect_refused({"decompose", "--scene", scene("ell.glb", {{"ell", ell()}}), "--out", out_},
                  {{{},
                    "mesh \"ell\": this palpa was built without V-HACD, which makes the parts: install npm and build "

@@ -36,6 +36,9 @@ TEST(Png, BrokenFilesAreBadInput) {
   write_png(folder / "good.png", noise(64, 64, 2));
   const std::string good = test::read_text(folder / "good.png");
   std::ofstream(folder / "short.png", std::ios::binary) << good.substr(0, good.size() / 2);
+  std::string corrupt = good;
+  corrupt[good.size() / 2] = static_cast<char>(corrupt[good.size() / 2] ^ 0x55);
+  std::ofstream(folder / "corrupt.png", std::ios::binary) << corrupt;
   std::ofstream(folder / "text.png") << "this is no picture";
   std::ofstream(folder / "empty.png") << "";
   // A header that claims 2^31 - 1 pixels on a side.
@@ -43,13 +46,15 @@ TEST(Png, BrokenFilesAreBadInput) {
   for (const std::size_t at : {16, 20})
     huge.replace(at, 4, "\x7f\xff\xff\xff", 4);
   std::ofstream(folder / "huge.png", std::ios::binary) << huge;
-  for (const char* name : {"short.png", "text.png", "empty.png", "huge.png", "absent.png", "."})
+  for (const char* name : {"short.png", "corrupt.png", "text.png", "empty.png", "huge.png", "absent.png", "."})
     EXPECT_NE(test::error_of([&] { read_png(folder / name); }), "") << name;
 }
 
 TEST(Png, AnUnwritablePlaceIsAFailureAndLeavesNothing) {
   const auto folder = test::scratch_folder("png-unwritable");
   EXPECT_ERROR(write_png(folder / "no" / "such.png", noise(4, 4, 3)), Exit::failed, "such.png");
+  EXPECT_ERROR(write_png(folder / "none.png", {}), Exit::failed, "none.png: cannot encode 0x0 pixels");
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "skipped: no /dev/full";
   EXPECT_ERROR(write_png("/dev/full", noise(4, 4, 3)), Exit::failed, "/dev/full");
   EXPECT_TRUE(std::filesystem::exists("/dev/full"));

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "base/version.hpp"
 #include "geometry/mesh/nearest.hpp"
 #include "geometry/parts/vhacd.hpp"
 #include "support/instrumented.hpp"
@@ -20,7 +21,7 @@ namespace palpa::geometry {
 namespace {
 
 #define NEEDS_VHACD() \
-  if (!has_vhacd()) GTEST_SKIP() << "skipped: built without V-HACD"
+  if (!built_with("V-HACD")) GTEST_SKIP() << "skipped: built without V-HACD"
 
 TEST(Nearest, IsTheLeastOverAllTriangles) {
   const Mesh mesh = test::torus(0.05, 0.02, 24);

@@ -157,8 +157,8 @@ TEST(UnionSurface, HasTheAreaAndVolumeOfTheBoxesItIsMadeOf) {
     const Voxels voxels = fill(blocks);
     const UnionSurface surface = union_surface(parts_of(blocks));
     const double full = static_cast<double>(std::count(voxels.full.begin(), voxels.full.end(), true));
-    ASSERT_NEAR(volume(surface), full, 1e-4) << seed;
-    ASSERT_NEAR(area(surface), static_cast<double>(surface_of(voxels).size()), 1e-4) << seed;
+    ASSERT_NEAR(signed_volume(surface.mesh), full, 1e-4) << seed;
+    ASSERT_NEAR(area(surface.mesh), static_cast<double>(surface_of(voxels).size()), 1e-4) << seed;
   }
 }
 
@@ -190,10 +190,10 @@ TEST(UnionSurface, ClosesSeamsUpToTheirWidth) {
   parts.parts.push_back(make_part(test::box({0, 0, 0}, {0.01, 0.01, 0.01}).positions).value());
   parts.parts.push_back(make_part(test::box({0.0101, 0, 0}, {0.02, 0.01, 0.01}).positions).value());
   parts.seam_m = 5e-5;
-  EXPECT_NEAR(area(union_surface(parts)), 2 * (6e-4 - 1e-4) + 2e-4 - 4e-6 + 2e-4 - 2e-4, 3e-5);
-  const double open = area(union_surface(parts));
+  EXPECT_NEAR(area(union_surface(parts).mesh), 2 * (6e-4 - 1e-4) + 2e-4 - 4e-6 + 2e-4 - 2e-4, 3e-5);
+  const double open = area(union_surface(parts).mesh);
   parts.seam_m = 2e-4;
-  EXPECT_NEAR(area(union_surface(parts)), open - 2e-4, 1e-7);
+  EXPECT_NEAR(area(union_surface(parts).mesh), open - 2e-4, 1e-7);
 }
 
 TEST(UnionSurface, OfRoundPartsHasTheVolumeThatRandomPointsCount) {
@@ -213,7 +213,7 @@ TEST(UnionSurface, OfRoundPartsHasTheVolumeThatRandomPointsCount) {
     hits += std::any_of(parts.parts.begin(), parts.parts.end(), [&](const Part& part) { return depth(part, p) > 0; });
   }
   const double expected = extent.x * extent.y * extent.z * hits / tries;
-  EXPECT_NEAR(volume(union_surface(parts)) / expected, 1, 0.015);
+  EXPECT_NEAR(signed_volume(union_surface(parts).mesh) / expected, 1, 0.015);
 }
 
 TEST(Parts, APartOfItsOwnPointsIsTheSamePart) {

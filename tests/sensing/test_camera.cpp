@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "pixel_rays.hpp"
 #include "random_rig.hpp"
 #include "sensing/rays.hpp"
 
@@ -44,12 +45,12 @@ TEST(Camera, UndistortsToWithinANanometreAtOneMetre) {
     // From a ray so near the axis that it is before any fold of these lenses.
     const double x = 0.5 * unit(random), y = 0.5 * unit(random);
     const auto pixel = opencv_project(camera, x, y);
-    const Vec2 ray = undistort(camera, {static_cast<double>(pixel[0]), static_cast<double>(pixel[1])});
+    const Vec2 ray = test::undistort(camera, {static_cast<double>(pixel[0]), static_cast<double>(pixel[1])});
     ASSERT_NEAR(ray.x, x, 1e-9) << i;
     ASSERT_NEAR(ray.y, y, 1e-9) << i;
     // Any pixel: it has a ray that projects back to it, or none.
     const Vec2 any(camera.width * 1.5 * unit(random), camera.height * 1.5 * unit(random));
-    const Vec2 found = undistort(camera, any);
+    const Vec2 found = test::undistort(camera, any);
     if (std::isnan(found.x)) {
       ++folded;
       continue;
@@ -67,10 +68,10 @@ TEST(Camera, APixelBeyondTheFoldHasNoRay) {
   Camera camera = test::d415(Transform(1.0));
   camera.distortion = {-0.5, 0, 0, 0, 0};  // r (1 - r^2/2) turns back at r = sqrt(2/3), image radius 0.5443
   const double edge = 2.0 / 3.0 * std::sqrt(2.0 / 3.0);
-  EXPECT_NEAR(undistort(camera, {camera.cx + 640 * edge * 0.999, camera.cy}).x, 0.816, 0.03);
-  EXPECT_TRUE(std::isnan(undistort(camera, {camera.cx + 640 * edge * 1.001, camera.cy}).x));
+  EXPECT_NEAR(test::undistort(camera, {camera.cx + 640 * edge * 0.999, camera.cy}).x, 0.816, 0.03);
+  EXPECT_TRUE(std::isnan(test::undistort(camera, {camera.cx + 640 * edge * 1.001, camera.cy}).x));
   // The corner of the image is beyond the fold: no ray there, and no point either.
-  EXPECT_TRUE(std::isnan(undistort(camera, {0, 0}).y));
+  EXPECT_TRUE(std::isnan(test::undistort(camera, {0, 0}).y));
   const RayTables tables = make_rays(std::span(&camera, 1));
   EXPECT_EQ(tables.rays[0].x, no_ray);
   EXPECT_LT(tables.rays[240 * 848 + 424].x, 0.01f);
@@ -85,7 +86,7 @@ TEST(Camera, DeprojectionInvertsProjection) {
     const double z = depth * camera.depth_unit_m;
     const Vec3 point(0.4 * unit(random) * z, 0.4 * unit(random) * z, z);
     const Vec2 pixel = project(camera, point);
-    const Vec3 world = deproject(camera, pixel.x, pixel.y, depth);
+    const Vec3 world = test::deproject(camera, pixel.x, pixel.y, depth);
     EXPECT_LT(glm::length(world - transform_point(camera.T_world_camera, point)), 1e-8 * (1 + z));
   }
 }
@@ -100,7 +101,7 @@ TEST(Camera, TilesBoundTheirRaysExactly) {
     for (std::uint32_t v = 0; v < camera.height; ++v) {
       for (std::uint32_t u = 0; u < camera.width; ++u) {
         const glm::vec2 ray = tables.rays[std::size_t{v} * table.pitch + u];
-        const Vec2 exact = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
+        const Vec2 exact = test::undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
         if (ray.x == no_ray) {
           ASSERT_TRUE(std::isnan(exact.x));
           continue;

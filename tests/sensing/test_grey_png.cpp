@@ -51,6 +51,18 @@ TEST(GreyPng, RoundTripsBitForBit) {
   }
 }
 
+TEST(GreyPng, ACameraComesBackBesideTheDepth) {
+  const std::vector<std::uint16_t> image{1, 2, 3, 4, 5, 6};
+  for (const std::string name : {"front left; \xc3\xa9", ""}) {
+    write_png16(scratch("t.png"), 3, 2, image, name);
+    std::vector<std::uint16_t> back;
+    std::string camera = "another";
+    read_png16(scratch("t.png"), 3, 2, back, camera);
+    EXPECT_EQ(camera, name);
+    EXPECT_EQ(back, image);
+  }
+}
+
 TEST(GreyPng, MasksRoundTripAndAreNoDepthImages) {
   std::vector<std::uint8_t> mask(std::size_t{9} * 5), back;
   for (std::size_t i = 0; i < mask.size(); ++i)

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "pixel_rays.hpp"
 #include "random_rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "shaders/sensing/skin.h"
@@ -43,7 +44,7 @@ std::vector<Vec3> all_points(const Scene& scene) {
       for (std::uint32_t u = 0; u < camera.width; ++u) {
         const std::uint16_t depth = scene.frames[c].depth[v * camera.width + u];
         const bool valid = depth != 0 && depth * camera.depth_unit_m >= camera.min_range_m - 1e-9;
-        points.push_back(valid ? deproject(camera, u, v, depth) : Vec3(NAN));
+        points.push_back(valid ? test::deproject(camera, u, v, depth) : Vec3(NAN));
       }
     }
   }

@@ -12,6 +12,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "geometry/files/ply.hpp"
+#include "pixel_rays.hpp"
 #include "random_rig.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
@@ -85,7 +86,7 @@ TEST(Synthetic, DepthsAreThoseOfRaysCastInDouble) {
     const Vec3 eye(camera.T_world_camera[3]);
     for (std::uint32_t v = 0; v < camera.height; ++v) {
       for (std::uint32_t u = 0; u < camera.width; ++u) {
-        const Vec2 ray = undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
+        const Vec2 ray = test::undistort(camera, {static_cast<double>(u), static_cast<double>(v)});
         const std::uint16_t raw = depth[v * camera.width + u];
         if (std::isnan(ray.x)) {
           ASSERT_EQ(raw, 0);
@@ -120,7 +121,7 @@ TEST(Synthetic, AClosedSurfaceHasNoCracks) {
   for (std::uint32_t v = 0; v < 480; ++v) {
     for (std::uint32_t u = 0; u < 848; ++u) {
       const Vec3 ray = glm::normalize(transform_direction(
-          camera.T_world_camera, Vec3(undistort(camera, {static_cast<double>(u), static_cast<double>(v)}), 1)));
+          camera.T_world_camera, Vec3(test::undistort(camera, {static_cast<double>(u), static_cast<double>(v)}), 1)));
       const double off_axis = glm::length(eye - glm::dot(eye, ray) * ray);
       if (off_axis > 0.0995) continue;
       ++inside;

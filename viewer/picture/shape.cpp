@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
-#include <tuple>
 
 #include "geometry/mesh/topology.hpp"
 #include "viewer/picture/view_vertex.hpp"
@@ -14,13 +13,8 @@
 namespace palpa::viewer {
 namespace {
 
-struct Side {
-  std::uint32_t low, high;  // the edge's vertices
-  std::uint32_t face;
-};
-
 struct Edge {
-  std::uint32_t low, high;
+  std::uint32_t low, high;    // its vertices
   std::uint32_t left, right;  // faces
   bool open, sharp;
 };
@@ -163,29 +157,14 @@ Shape make_shape(const geometry::Mesh& mesh, std::span<const drawing::Colour> co
   }
   order(shape);
 
-  std::vector<Side> sides;
-  sides.reserve(faces.size() * 3);
-  for (std::uint32_t f = 0; f < faces.size(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(faces[f][k], faces[f][(k + 1) % 3]);
-      sides.push_back({low, high, f});
-    }
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.face) < std::tie(b.low, b.high, b.face);
-  });
   std::vector<Edge> edges;
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i + 1;
-    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
-      ++end;
-    const std::uint32_t left = sides[i].face, right = sides[end - 1].face;
+  geometry::for_each_edge(mesh.positions.size(), faces, [&](std::span<const geometry::Side> sides) {
+    const std::uint32_t left = sides.front().side / 3, right = sides.back().side / 3;
     const double bend = glm::dot(normals[left], normals[right]);
-    const bool open = end - i != 2;
+    const bool open = sides.size() != 2;
     if (open || bend < 1 - 1e-9)
-      edges.push_back({sides[i].low, sides[i].high, left, right, open, open || bend <= smooth});
-    i = end;
-  }
+      edges.push_back({sides[0].low, sides[0].high, left, right, open, open || bend <= smooth});
+  });
   drop_scratches(mesh, edges);
   shape.edges = net_of(mesh, faces, normals, edges);
   return shape;

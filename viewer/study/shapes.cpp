@@ -18,7 +18,7 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
   std::uint32_t group = 0;
   for (std::size_t shape = 0; shape < plan.shapes.size(); ++shape) {
     StudyShape& own = all.shapes.emplace_back();
-    own.model_sha256 = sha256_of_file(plan.shapes[shape].model).sha256;
+    own.model_sha256 = sha256_of_file(plan.shapes[shape].model);
     std::uint32_t groups = 0;
     geometry::Scene scene = geometry::load_gltf(plan.shapes[shape].model);
     own.box = geometry::box_of(scene);

@@ -47,21 +47,8 @@ constexpr double smallest_m = 1e-6;
 /// part of the body, and the square of a face's area may underflow if the face is lower than this.
 constexpr double shortest_part = 1e-7, lowest_m = 1e-9;
 
-double longest_side(const Mesh& mesh, std::uint32_t face) {
-  const glm::uvec3& t = mesh.triangles[face];
-  double longest = 0;
-  for (int i = 0; i < 3; ++i)
-    longest = std::max(longest, glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
-  return longest;
-}
-
-/// A face's height over its longest side.
-double height(const Mesh& mesh, std::uint32_t face) {
-  return glm::length(geometry::area_vector(mesh, face)) / longest_side(mesh, face);
-}
-
 double length_by_height(const Mesh& mesh, std::uint32_t face) {
-  return longest_side(mesh, face) / height(mesh, face);
+  return longest_side(mesh, face) / triangle_width(mesh, face);
 }
 
 double largest_extent(const Box& box) {
@@ -124,13 +111,13 @@ void check_face_sizes(const std::string& file, const Mesh& body) {
   const double body_m = largest_extent(geometry::bounds(body));
   const double shortest_m = std::max(lowest_m, shortest_part * body_m);
   for (std::uint32_t t = 0; t < body.triangles.size(); ++t) {
-    if (longest_side(body, t) >= shortest_m && height(body, t) >= lowest_m) continue;
+    if (longest_side(body, t) >= shortest_m && triangle_width(body, t) >= lowest_m) continue;
     throw bad_input(
         file, fmt::format("face {} at {} m is only {:.2g} m long and {:.2g} m high; a face of a body of {:.2g} m is at "
                           "least {:.2g} m long and a nanometre high; remove such faces, for example with a remesher "
                           "such as MeshLab's isotropic one",
                           t, geometry::text::point(body.positions[body.triangles[t][0]]), longest_side(body, t),
-                          height(body, t), body_m, shortest_m));
+                          triangle_width(body, t), body_m, shortest_m));
   }
 }
 

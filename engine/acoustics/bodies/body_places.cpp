@@ -4,6 +4,8 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "geometry/mesh/topology.hpp"
+
 namespace palpa::acoustics {
 namespace {
 
@@ -32,7 +34,7 @@ BodyPlace BodyPlaces::of(const Vec3& point) const {
   // The gap lies on one side of the face.
   const Vec3 to_patch = body_.patches[found.triangle].at(uv.x, uv.y) - found.point;
   const double gap = glm::dot(to_patch, point - found.point) > 0 ? glm::length(to_patch) : 0;
-  const double side = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  const double side = longest_side(body_.mesh, found.triangle);
   if (found.distance <= (1 + gaps_beside) * gap + sides_beside * side) {
     place.where = BodyPlace::Where::skin;
   } else if (inside_.holds(point)) {

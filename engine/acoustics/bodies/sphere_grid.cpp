@@ -45,7 +45,7 @@ SphereGrid::SphereGrid(std::size_t order, std::size_t rings) : order_(order), ri
 }
 
 std::vector<Complex> SphereGrid::coefficients(std::span<const Complex> values) const {
-  std::vector<Complex> result(coefficient_count());
+  std::vector<Complex> result((order_ + 1) * (order_ + 1));
   const auto most = static_cast<std::ptrdiff_t>(order_);
   for (std::size_t ring = 0; ring < rings_; ++ring) {
     for (std::ptrdiff_t m = -most; m <= most; ++m) {

@@ -22,7 +22,6 @@ class SphereGrid {
   SphereGrid(std::size_t order, std::size_t rings);
 
   std::size_t order() const { return order_; }
-  std::size_t coefficient_count() const { return (order_ + 1) * (order_ + 1); }
   /// Unit vectors and their solid angles, ring by ring; 4 pi together.
   std::span<const Vec3> directions() const { return directions_; }
   std::span<const double> weights() const { return weights_; }

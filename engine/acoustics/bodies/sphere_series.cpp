@@ -10,9 +10,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// j_n and h_n of one argument and their slopes, n = 0 .. count - 1, as long as y_n can be represented.
+/// h_n of one argument, and the slopes of j_n and h_n, n = 0 .. count - 1, as long as y_n can be represented.
 struct Bessel {
-  std::vector<double> j, j_slope;
+  std::vector<double> j_slope;
   std::vector<Complex> h, h_slope;
 
   Bessel(std::size_t count, double x) {
@@ -24,7 +24,6 @@ struct Bessel {
     for (std::size_t n = 0; n < count; ++n) {
       const Complex next = hankel(n + 1);
       const Complex slope = static_cast<double>(n) / x * here - next;
-      j.push_back(here.real());
       j_slope.push_back(slope.real());
       h.push_back(here);
       h_slope.push_back(slope);
@@ -88,15 +87,6 @@ SphereSeries SphereSeries::point_source(double wave_number, double radius, const
 
 Complex SphereSeries::at(const Vec3& place) const {
   return legendre_sum(factors_, cosine(axis_, place));
-}
-
-Complex sphere_in_plane_wave(double wave_number, double radius, const Vec3& direction, const Vec3& place) {
-  const double ka = wave_number * radius;
-  const Bessel at(terms_for(ka), ka), there(at.h.size(), wave_number * glm::length(place));
-  std::vector<Complex> factors;
-  for (std::size_t n = 0; n < at.h.size(); ++n)
-    factors.push_back(-plane_factor(n) * at.j_slope[n] / at.h_slope[n] * there.h[n]);
-  return std::polar(1.0, wave_number * glm::dot(direction, place)) + legendre_sum(factors, cosine(direction, place));
 }
 
 double sphere_force_function(double ka) {

@@ -30,9 +30,6 @@ class SphereSeries {
   std::vector<std::complex<double>> factors_;  // of the Legendre polynomials
 };
 
-/// Total pressure of the plane wave outside the sphere, at `place`.
-std::complex<double> sphere_in_plane_wave(double wave_number, double radius, const Vec3& direction, const Vec3& place);
-
 /// Y_p in the plane wave's force on the sphere, pi a^2 p^2 / (2 rho c^2) Y_p along the wave (Hasegawa):
 ///
 ///   Y_p = -4 / (ka)^2 sum over n of (n + 1) (a_n + a_{n+1} + 2 (a_n a_{n+1} + b_n b_{n+1})),

@@ -1,12 +1,12 @@
 #include "acoustics/compressed/cluster_tree.hpp"
 
 #include <algorithm>
-#include <array>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <utility>
 
 #include "acoustics/boundary/near_pairs.hpp"
+#include "geometry/mesh/topology.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -21,14 +21,14 @@ struct Star {
 /// What the faces around each vertex have in common.
 std::vector<Star> stars_of(const Mesh& mesh) {
   std::vector<Star> stars(mesh.positions.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    const std::array<Vec3, 3> corners{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+  for (std::uint32_t face = 0; face < mesh.triangles.size(); ++face) {
+    const glm::uvec3& t = mesh.triangles[face];
+    const double side = longest_side(mesh, face);
     for (int c = 0; c < 3; ++c) {
       Star& star = stars[t[c]];
-      for (std::size_t i = 0; i < 3; ++i) {
-        star.box.add(corners[i]);
-        star.longest_side = std::max(star.longest_side, glm::distance(corners[i], corners[(i + 1) % 3]));
-      }
+      star.longest_side = std::max(star.longest_side, side);
+      for (int i = 0; i < 3; ++i)
+        star.box.add(mesh.positions[t[i]]);
     }
   }
   return stars;

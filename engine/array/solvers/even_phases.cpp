@@ -80,17 +80,6 @@ void turn(const Columns& columns, std::span<const Complex> pull, std::span<const
   }
 }
 
-/// The loudness of the weakest focus, relative to its target.
-double weakest_of(std::span<const Complex> pressure, std::span<const double> targets) {
-  double least = -1;
-  for (std::size_t j = 0; j < pressure.size(); ++j) {
-    if (targets[j] <= 0) continue;
-    const double heard = magnitude(pressure[j]) / targets[j];
-    least = least < 0 ? heard : std::min(least, heard);
-  }
-  return least;
-}
-
 /// The pull of the next step.
 void find_pull(std::span<const double> targets, double level, double more, double damping, PhaseScratch& scratch) {
   const std::size_t foci = targets.size();
@@ -131,7 +120,7 @@ Evened even_phases(const Columns& columns, std::span<const double> targets, doub
   double missed = find_misses(scratch.pressure, targets, level, scratch.miss);
   if (largest_miss(scratch.miss) <= most_miss) return {largest_miss(scratch.miss), 0};
   find_alike(columns, drive, scratch.alike);
-  double weakest = weakest_of(scratch.pressure, targets);
+  double weakest = weakest_of(targets, [&](std::size_t j) { return magnitude(scratch.pressure[j]); });
   double damping = even_damping;
   std::uint32_t raises = largest_miss(scratch.miss) > phases_uneven ? phases_raises : 0;
   std::uint32_t made = 0;
@@ -141,7 +130,8 @@ Evened even_phases(const Columns& columns, std::span<const double> targets, doub
     listen(columns, scratch.tried, scratch.tried_pressure, scratch.tried_across);
     const double level_then = level_of(scratch.tried_pressure, targets);
     const double missed_then = find_misses(scratch.tried_pressure, targets, level_then, scratch.tried_miss);
-    const double weakest_then = weakest_of(scratch.tried_pressure, targets);
+    const double weakest_then =
+        weakest_of(targets, [&](std::size_t j) { return magnitude(scratch.tried_pressure[j]); });
     const bool stays =
         raises > 0 ? weakest_then > weakest : missed_then < missed && weakest_then >= phases_keep * weakest;
     if (stays) {

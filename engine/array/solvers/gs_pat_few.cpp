@@ -23,13 +23,8 @@ double power_of(std::span<const Complex> factors, std::span<const Complex> press
 /// The loudness of the weakest focus relative to the power of the factors.
 double merit_of(std::span<const Complex> factors, std::span<const Complex> pressure, std::span<const double> targets) {
   const double power = power_of(factors, pressure);
-  double least = -1;
-  for (std::size_t j = 0; j < factors.size(); ++j) {
-    if (targets[j] <= 0) continue;
-    const double heard = magnitude(pressure[j]) / targets[j];
-    least = least < 0 ? heard : std::min(least, heard);
-  }
-  return power > 0 && least > 0 ? least / std::sqrt(power) : 0;
+  const double weakest = weakest_of(targets, [&](std::size_t j) { return magnitude(pressure[j]); });
+  return power > 0 ? weakest / std::sqrt(power) : 0;
 }
 
 bool hear_each_other(const FocusMatrix& matrix) {

@@ -164,12 +164,10 @@ State state_of(const SilentGoal& goal, const PhasedSounds& sounds) {
   double heard = 0, wanted = 0;
   for (std::size_t j = 0; j < foci; ++j) {
     if (!(goal.targets[j] > 0)) continue;
-    const double size = magnitude(sounds.sounds[j]);
-    heard += size;
+    heard += magnitude(sounds.sounds[j]);
     wanted += goal.targets[j];
-    state.weakest =
-        wanted == goal.targets[j] ? size / goal.targets[j] : std::min(state.weakest, size / goal.targets[j]);
   }
+  state.weakest = weakest_of(goal.targets, [&](std::size_t j) { return magnitude(sounds.sounds[j]); });
   if (!(heard > 0)) return state;
   state.level = heard / wanted;
   for (std::size_t j = 0; j < foci; ++j) {

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
-#include <cstring>
 #include <string_view>
 
 #include "base/output_file.hpp"
@@ -12,11 +10,9 @@ namespace palpa::geometry {
 namespace {
 
 template <typename T>
-void write_number(OutputFile& out, T number) {
+void write_number(OutputFile& out, const T& number) {
   static_assert(std::endian::native == std::endian::little);
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), &number, sizeof(T));
-  out.write({bytes.data(), bytes.size()});
+  out.write({reinterpret_cast<const char*>(&number), sizeof(T)});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "geometry/mesh/topology.hpp"
 #include "geometry/seeded_hash.hpp"
@@ -105,20 +106,6 @@ std::vector<std::uint32_t> first_near(const std::vector<Vec3>& positions, double
   return first;
 }
 
-Mesh weld_by(const Mesh& mesh, double tolerance) {
-  Mesh used = compact(mesh.positions, mesh.triangles);
-  for (Vec3& p : used.positions)
-    p = without_negative_zero(p);
-  const std::vector<std::uint32_t> index = weld_indices(used.positions, tolerance);
-  std::vector<glm::uvec3> triangles;
-  triangles.reserve(used.triangles.size());
-  for (const glm::uvec3& t : used.triangles) {
-    const glm::uvec3 c(index[t[0]], index[t[1]], index[t[2]]);
-    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) triangles.push_back(c);
-  }
-  return compact(used.positions, std::move(triangles));
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> weld_indices(const std::vector<Vec3>& positions, double tolerance) {
@@ -130,11 +117,18 @@ std::vector<std::uint32_t> weld_indices(const std::vector<Vec3>& positions, doub
   return first_near(positions, tolerance);
 }
 
-Mesh weld(const Mesh& mesh) {
-  return weld_by(mesh, 0);
-}
 Mesh weld(const Mesh& mesh, double tolerance) {
-  return weld_by(mesh, tolerance);
+  Mesh used = compact(mesh.positions, mesh.triangles);
+  for (Vec3& p : used.positions)
+    p = without_negative_zero(p);
+  const std::vector<std::uint32_t> index = weld_indices(used.positions, tolerance);
+  std::vector<glm::uvec3> triangles;
+  triangles.reserve(used.triangles.size());
+  for (const glm::uvec3& t : used.triangles) {
+    const glm::uvec3 c(index[t[0]], index[t[1]], index[t[2]]);
+    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) triangles.push_back(c);
+  }
+  return compact(used.positions, std::move(triangles));
 }
 
 void append(Mesh& mesh, const Mesh& more) {
@@ -178,22 +172,16 @@ double signed_volume(const Mesh& mesh) {
 
 Defects find_defects(const Mesh& welded) {
   Defects defects;
-  const std::vector<Side> sides = sorted_sides(welded);
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i + 1;
-    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
-      ++end;
-    const Side& s = sides[i];
-    const std::size_t count = end - i;
-    if (count == 1) {
+  for_each_edge(welded, [&](std::span<const Side> sides) {
+    const Side& s = sides[0];
+    if (sides.size() == 1) {
       if (defects.open++ == 0) defects.first_open = side_vertices(welded, s.side);
-    } else if (count > 2) {
+    } else if (sides.size() > 2) {
       if (defects.non_manifold++ == 0) defects.first_non_manifold = {s.low, s.high};
-    } else if (s.ascending == sides[i + 1].ascending) {
+    } else if (s.ascending == sides[1].ascending) {
       if (defects.flipped++ == 0) defects.first_flipped = {s.low, s.high};
     }
-    i = end;
-  }
+  });
   return defects;
 }
 

@@ -18,11 +18,10 @@ struct Mesh {
 
 /// Merges vertices with bit-equal positions (-0 equals 0). Drops triangles that lose a corner by this, and vertices
 /// that no triangle uses. Keeps the order of first use, so the result does not depend on the input's indexing.
-Mesh weld(const Mesh& mesh);
-
-/// As weld(mesh), but a vertex is merged into the first earlier one within `tolerance` metres: for seams whose two
-/// sides were rounded differently. The position of the first vertex is kept.
-Mesh weld(const Mesh& mesh, double tolerance);
+///
+/// With a `tolerance`, a vertex is merged into the first earlier one within so many metres: for seams whose two sides
+/// were rounded differently. The position of the first vertex is kept.
+Mesh weld(const Mesh& mesh, double tolerance = 0);
 
 /// For each position, the index of the first position (in this order) that it is merged into: bit-equal, or within
 /// `tolerance` metres.

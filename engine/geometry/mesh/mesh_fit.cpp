@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "geometry/mesh/topology.hpp"
 #include "geometry/symmetric.hpp"
 
 namespace palpa::geometry {
@@ -17,18 +18,6 @@ namespace {
 constexpr double crease_cosine = 0.985;  // ten degrees
 constexpr double least_slant = 0.2;      // of a ray on a face: below it, a point's error is unknown
 constexpr double still = 1e-8;           // metres: smaller steps count as no movement
-
-std::vector<Vec3> normals_of(const Mesh& mesh) {
-  std::vector<Vec3> normals;
-  normals.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    const Vec3& a = mesh.positions[t.x];
-    const Vec3 across = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
-    const double length = glm::length(across);
-    normals.push_back(length > 0 ? across / length : Vec3(0));
-  }
-  return normals;
-}
 
 /// The edges at which the mesh bends.
 Mesh creases_of(const Mesh& mesh, const std::vector<Vec3>& normals) {
@@ -100,7 +89,7 @@ double scatter(const auto& hits, std::vector<double>& work) {
 
 MeshFit::MeshFit(const Mesh& mesh)
     : mesh_(mesh),
-      normals_(normals_of(mesh_)),
+      normals_(unit_normals(mesh_)),
       nearest_(mesh_),
       creases_(creases_of(mesh_, normals_)),
       nearest_crease_(creases_) {}

@@ -35,10 +35,6 @@ bool less(const glm::uvec3& a, const glm::uvec3& b) {
   return a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-double width_of(const Mesh& mesh, std::uint32_t t) {
-  return triangle_width(mesh, t, glm::length(area_vector(mesh, t)));
-}
-
 struct EdgeHash {
   std::size_t operator()(std::uint64_t edge) const { return mix_hash(hash_seed(), edge); }
 };
@@ -50,14 +46,14 @@ class Turner {
   std::size_t run() {
     std::vector<std::uint32_t> narrow;
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      if (!(width_of(mesh_, t) > width_)) narrow.push_back(t);
+      if (!(triangle_width(mesh_, t) > width_)) narrow.push_back(t);
     }
     std::size_t turned = 0, steps = 0;
     const std::size_t most = 8 * narrow.size();  // a flip may leave another needle
     while (!narrow.empty() && steps++ < most) {
       const std::uint32_t t = narrow.back();
       narrow.pop_back();
-      const double before = width_of(mesh_, t);
+      const double before = triangle_width(mesh_, t);
       if (before > width_ || !turn(t, before, narrow)) continue;
       ++turned;
     }
@@ -106,7 +102,7 @@ class Turner {
     const glm::uvec3 old_t = mesh_.triangles[t], old_u = mesh_.triangles[u];
     mesh_.triangles[t] = {a, d, c};
     mesh_.triangles[u] = {d, b, c};
-    const double now = std::min(width_of(mesh_, t), width_of(mesh_, u));
+    const double now = std::min(triangle_width(mesh_, t), triangle_width(mesh_, u));
     if (!(now > before)) {
       mesh_.triangles[t] = old_t;
       mesh_.triangles[u] = old_u;
@@ -129,7 +125,7 @@ class Turner {
     edges_.erase(edge(a, b));
     edges_.insert(edge(c, d));
     for (const std::uint32_t again : {t, u}) {
-      if (!(width_of(mesh_, again) > width_)) narrow.push_back(again);
+      if (!(triangle_width(mesh_, again) > width_)) narrow.push_back(again);
     }
     return true;
   }

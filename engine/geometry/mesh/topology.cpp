@@ -6,13 +6,13 @@
 
 namespace palpa::geometry {
 
-std::vector<Side> sorted_sides(const Mesh& mesh) {
+std::vector<Side> sorted_sides(std::size_t vertices, std::span<const glm::uvec3> triangles) {
   // Bucketing by the lower vertex first leaves only a handful of sides per bucket to sort: linear in practice.
-  std::vector<std::uint32_t> start(mesh.positions.size() + 1, 0);
+  std::vector<std::uint32_t> start(vertices + 1, 0);
   const auto each_side = [&](const auto& visit) {
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
       for (int corner = 0; corner < 3; ++corner) {
-        const std::uint32_t from = mesh.triangles[t][corner], to = mesh.triangles[t][(corner + 1) % 3];
+        const std::uint32_t from = triangles[t][corner], to = triangles[t][(corner + 1) % 3];
         visit(Side{std::min(from, to), std::max(from, to),
                    static_cast<std::uint32_t>(3 * t) + static_cast<std::uint32_t>(corner), from < to});
       }
@@ -20,7 +20,7 @@ std::vector<Side> sorted_sides(const Mesh& mesh) {
   };
   each_side([&](const Side& s) { ++start[s.low + 1]; });
   std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<Side> sides(mesh.triangles.size() * 3);
+  std::vector<Side> sides(triangles.size() * 3);
   std::vector<std::uint32_t> next(start.begin(), start.end());
   each_side([&](const Side& s) { sides[next[s.low]++] = s; });
   for (std::size_t v = 0; v + 1 < start.size(); ++v) {
@@ -31,7 +31,7 @@ std::vector<Side> sorted_sides(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> twins(const Mesh& mesh) {
-  const std::vector<Side> sides = sorted_sides(mesh);
+  const std::vector<Side> sides = sorted_sides(mesh.positions.size(), mesh.triangles);
   std::vector<std::uint32_t> twin(sides.size());
   for (std::size_t i = 0; i + 1 < sides.size(); i += 2) {
     twin[sides[i].side] = sides[i + 1].side;
@@ -40,29 +40,39 @@ std::vector<std::uint32_t> twins(const Mesh& mesh) {
   return twin;
 }
 
-std::uint32_t count_shells(const std::vector<std::uint32_t>& twin) {
-  const auto triangles = static_cast<std::uint32_t>(twin.size() / 3);
-  UnionFind shells(triangles);
-  for (std::uint32_t side = 0; side < twin.size(); ++side)
-    shells.join(side / 3, twin[side] / 3);
-  std::uint32_t count = 0;
-  for (std::uint32_t t = 0; t < triangles; ++t)
-    count += shells.find(t) == t ? 1 : 0;
-  return count;
-}
-
 Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle) {
   const glm::uvec3& t = mesh.triangles[triangle];
   const Vec3& a = mesh.positions[t[0]];
   return glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
 }
 
-double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area) {
+Vec3 unit_normal(const Mesh& mesh, std::uint32_t triangle) {
+  const Vec3 across = area_vector(mesh, triangle);
+  const double length = glm::length(across);
+  return length > 0 ? across / length : Vec3(0);
+}
+
+std::vector<Vec3> unit_normals(const Mesh& mesh) {
+  std::vector<Vec3> normals(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < normals.size(); ++t)
+    normals[t] = unit_normal(mesh, t);
+  return normals;
+}
+
+double longest_side(const Mesh& mesh, std::uint32_t triangle) {
   const glm::uvec3& t = mesh.triangles[triangle];
   double longest = 0;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i)
     longest = std::max(longest, glm::distance(mesh.positions[t[i]], mesh.positions[t[(i + 1) % 3]]));
-  }
+  return longest;
+}
+
+double triangle_width(const Mesh& mesh, std::uint32_t triangle) {
+  return triangle_width(mesh, triangle, glm::length(area_vector(mesh, triangle)));
+}
+
+double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area) {
+  const double longest = longest_side(mesh, triangle);
   return longest > 0 ? twice_area / longest : 0;
 }
 

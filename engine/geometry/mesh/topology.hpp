@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/mesh/mesh.hpp"
@@ -18,13 +19,25 @@ struct Side {
 };
 
 /// All sides, sorted by edge, then by number, so that the sides of one edge are adjacent.
-std::vector<Side> sorted_sides(const Mesh& mesh);
+std::vector<Side> sorted_sides(std::size_t vertices, std::span<const glm::uvec3> triangles);
 
 /// For every side, the neighbouring triangle's side on the same edge. The mesh must be closed and oriented.
 std::vector<std::uint32_t> twins(const Mesh& mesh);
 
-/// Number of pieces that are connected by edges, given the twins.
-std::uint32_t count_shells(const std::vector<std::uint32_t>& twin);
+/// Calls `visit` with all sides of each edge, edge after edge as sorted_sides() has them.
+template <typename Visit>
+void for_each_edge(std::size_t vertices, std::span<const glm::uvec3> triangles, const Visit& visit) {
+  const std::vector<Side> sides = sorted_sides(vertices, triangles);
+  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    for (end = i + 1; end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high;)
+      ++end;
+    visit(std::span(sides).subspan(i, end - i));
+  }
+}
+template <typename Visit>
+void for_each_edge(const Mesh& mesh, const Visit& visit) {
+  for_each_edge(mesh.positions.size(), mesh.triangles, visit);
+}
 
 /// Start and end vertex of a side.
 inline std::array<std::uint32_t, 2> side_vertices(const Mesh& mesh, std::uint32_t side) {
@@ -41,7 +54,16 @@ inline std::uint32_t opposite_vertex(const Mesh& mesh, std::uint32_t side) {
 /// Twice the triangle's area times its normal.
 Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle);
 
-/// The triangle's height over its longest side, metres, given twice its area.
+/// The triangle's normal of length 1; zero if it has no area.
+Vec3 unit_normal(const Mesh& mesh, std::uint32_t triangle);
+/// Those of all triangles.
+std::vector<Vec3> unit_normals(const Mesh& mesh);
+
+/// Metres.
+double longest_side(const Mesh& mesh, std::uint32_t triangle);
+/// The triangle's height over its longest side, metres.
+double triangle_width(const Mesh& mesh, std::uint32_t triangle);
+/// The same, given twice its area.
 double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area);
 
 /// Groups of indices that are merged step by step; the smallest index represents its group.

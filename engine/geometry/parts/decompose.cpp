@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -32,26 +33,20 @@ constexpr std::uint32_t error_samples = 40'000;
 bool is_convex(const Mesh& mesh) {
   if (!find_defects(mesh).closed_and_oriented()) return false;
   const std::vector<std::uint32_t> twin = twins(mesh);
-  if (count_shells(twin) != 1 || !(signed_volume(mesh) > 0)) return false;
+  if (find_shells(mesh, twin).list.size() != 1 || !(signed_volume(mesh) > 0)) return false;
   const double tolerance = flatness_tolerance(mesh);
   return !find_concavity(mesh, twin, find_facets(mesh, twin, tolerance), tolerance);
 }
 
 /// The mesh with each of its holes closed by a fan around the middle of its rim, so that flooding does not leak in.
 Mesh without_holes(const Mesh& mesh) {
-  const std::vector<Side> sides = sorted_sides(mesh);
   // Along a rim: maps the start of an open side to its end, against the triangle's direction.
   std::map<std::uint32_t, std::uint32_t> rim;
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i + 1;
-    while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high)
-      ++end;
-    if (end == i + 1) {
-      const auto [from, to] = side_vertices(mesh, sides[i].side);
-      rim.try_emplace(to, from);
-    }
-    i = end;
-  }
+  for_each_edge(mesh, [&](std::span<const Side> sides) {
+    if (sides.size() > 1) return;
+    const auto [from, to] = side_vertices(mesh, sides[0].side);
+    rim.try_emplace(to, from);
+  });
   Mesh closed = mesh;
   while (!rim.empty()) {
     std::vector<std::uint32_t> loop;
@@ -193,19 +188,16 @@ PartsReport measure(const Mesh& mesh, const Parts& parts, std::uint64_t seed) {
   report.parts = static_cast<std::uint32_t>(parts.parts.size());
   if (find_defects(mesh).closed_and_oriented()) report.mesh_volume_m3 = std::abs(signed_volume(mesh));
   const UnionSurface surface = union_surface(parts);
-  report.union_volume_m3 = volume(surface);
+  report.union_volume_m3 = signed_volume(surface.mesh);
   double all = 0;
   for (const Part& part : parts.parts)
     all += area(part.mesh);
-  report.internal_share = std::max(0.0, 1 - area(surface) / all);
-  Mesh triangles;
-  for (const UnionSurface::Triangle& t : surface.triangles)
-    add_triangle(triangles, t.a, t.b, t.c);
-  if (triangles.triangles.empty()) return report;
-  const NearestTriangle of_union(triangles);
+  report.internal_share = std::max(0.0, 1 - area(surface.mesh) / all);
+  if (surface.mesh.triangles.empty()) return report;
+  const NearestTriangle of_union(surface.mesh);
   const std::vector<Mesh> cavities = cavities_of(mesh);
   Activity sampling("comparing their surface with the mesh", 2 + cavities.size());
-  report.surface_error_m = distances(triangles, NearestTriangle(mesh), error_samples, seed);
+  report.surface_error_m = distances(surface.mesh, NearestTriangle(mesh), error_samples, seed);
   sampling.advance();
   report.mesh_error_m = distances(mesh, of_union, error_samples, seed);
   sampling.advance();

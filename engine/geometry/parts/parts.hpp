@@ -50,12 +50,12 @@ double depth(const Part& part, const Vec3& point);
 /// is kept, so that areas and volumes are correct. Triangles face outwards. The set has no holes, but its triangles do
 /// not share edges.
 struct UnionSurface {
-  struct Triangle {
-    Vec3 a, b, c;
-    std::uint32_t part;   ///< the part whose face it is a piece of
+  struct Face {
+    std::uint32_t part;   ///< whose face the triangle is a piece of
     std::uint32_t plane;  ///< of that part
   };
-  std::vector<Triangle> triangles;
+  Mesh mesh;
+  std::vector<Face> faces;  ///< one for each triangle
 };
 /// Throws failure() if the parts overlap so much that finding the visible rest of their faces takes more than
 /// most_cuts() cuts of a polygon by a plane: about ten times what decompositions need.
@@ -63,10 +63,6 @@ UnionSurface union_surface(const Parts& parts);
 constexpr std::uint64_t most_cuts(std::uint64_t triangles) {
   return 4'000'000 + 1000 * triangles;
 }
-
-/// In square metres, and the enclosed volume in cubic metres.
-double area(const UnionSurface& surface);
-double volume(const UnionSurface& surface);
 
 /// Depth of a point below the surface that `faces` selects, metres: 0 outside all parts. Eq. (1) uses the part in which
 /// the point is least deep. For single points.

@@ -167,9 +167,14 @@ class Builder {
   }
 
   void add_triangles(const Polygon& polygon, std::uint32_t part, std::uint32_t plane) {
-    for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+    auto& [mesh, faces] = surface_;
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), polygon.begin(), polygon.end());
+    for (std::uint32_t k = 1; k + 1 < polygon.size(); ++k) {
       const Vec3 &a = polygon[0], &b = polygon[k], &c = polygon[k + 1];
-      if (glm::length(glm::cross(b - a, c - a)) > snap_ * snap_) surface_.triangles.push_back({a, b, c, part, plane});
+      if (!(glm::length(glm::cross(b - a, c - a)) > snap_ * snap_)) continue;
+      mesh.triangles.emplace_back(first, first + k, first + k + 1);
+      faces.push_back({part, plane});
     }
   }
 
@@ -181,31 +186,10 @@ class Builder {
   UnionSurface surface_;
 };
 
-Vec3 area_vector(const UnionSurface::Triangle& t) {
-  return glm::cross(t.b - t.a, t.c - t.a);
-}
-
 }  // namespace
 
 UnionSurface union_surface(const Parts& parts) {
   return Builder(parts).run();
-}
-
-double area(const UnionSurface& surface) {
-  double twice = 0;
-  for (const UnionSurface::Triangle& t : surface.triangles)
-    twice += glm::length(area_vector(t));
-  return twice / 2;
-}
-
-double volume(const UnionSurface& surface) {
-  if (surface.triangles.empty()) return 0;
-  const Vec3 origin = surface.triangles[0].a;  // the surface is closed except for slivers; the nearer the origin, the
-                                               // less they matter
-  double six = 0;
-  for (const UnionSurface::Triangle& t : surface.triangles)
-    six += glm::dot(t.a - origin, area_vector(t));
-  return six / 6;
 }
 
 double depth(const Parts& parts, const UnionSurface& surface, const Vec3& point) {
@@ -213,8 +197,9 @@ double depth(const Parts& parts, const UnionSurface& surface, const Vec3& point)
       std::any_of(parts.parts.begin(), parts.parts.end(), [&](const Part& part) { return depth(part, point) > 0; });
   if (!inside) return 0;
   double least = std::numeric_limits<double>::infinity();
-  for (const UnionSurface::Triangle& t : surface.triangles)
-    least = std::min(least, glm::distance(closest_on_triangle(t.a, t.b, t.c, point), point));
+  const std::vector<Vec3>& at = surface.mesh.positions;
+  for (const glm::uvec3& t : surface.mesh.triangles)
+    least = std::min(least, glm::distance(closest_on_triangle(at[t[0]], at[t[1]], at[t[2]], point), point));
   return least;
 }
 

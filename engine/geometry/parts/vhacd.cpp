@@ -108,10 +108,6 @@ pthread_t start(const std::shared_ptr<Job>& job) {
 
 }  // namespace
 
-bool has_vhacd() {
-  return true;
-}
-
 std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh& mesh, const VhacdOptions& options, const Progress& progress) {
   const auto job = std::make_shared<Job>();
   for (const Vec3& p : mesh.positions)
@@ -151,10 +147,6 @@ std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh& mesh, const VhacdOptions&
 #else
 
 namespace palpa::geometry {
-
-bool has_vhacd() {
-  return false;
-}
 
 std::vector<std::vector<Vec3>> vhacd_hulls(const Mesh&, const VhacdOptions&, const Progress&) {
   throw failure(how_to_get_vhacd());

@@ -10,8 +10,6 @@
 
 namespace palpa::geometry {
 
-/// Whether palpa was built with V-HACD.
-bool has_vhacd();
 /// Advice for an error's line if palpa was built without it.
 const char* how_to_get_vhacd();
 

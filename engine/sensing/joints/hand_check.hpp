@@ -20,7 +20,6 @@ enum class HandDoubt : std::uint32_t {
   jump,    ///< a joint moved faster than fastest_joint_m_s since the frame before
   frozen,  ///< no joint has moved by a bit for longest_rest_s
 };
-inline constexpr std::size_t hand_doubts = 6;
 
 inline constexpr double farthest_joint_m = 10;
 inline constexpr double least_radius_m = 1e-3, most_radius_m = 40e-3, longest_bone_m = 0.15;

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "geometry/mesh/topology.hpp"
 #include "geometry/symmetric.hpp"
 
 namespace palpa::session {
@@ -81,14 +82,7 @@ Vec3 mean_of(std::span<const Vec3> points) {
 }
 
 FingerFit::FingerFit(const geometry::Mesh& finger)
-    : nearest_(finger), end_m_(geometry::bounds(finger).high.y - end_margin_m) {
-  for (const glm::uvec3& t : finger.triangles) {
-    const Vec3& a = finger.positions[t.x];
-    const Vec3 across = glm::cross(finger.positions[t.y] - a, finger.positions[t.z] - a);
-    const double length = glm::length(across);
-    normals_.push_back(length > 0 ? across / length : Vec3(0));
-  }
-}
+    : nearest_(finger), normals_(unit_normals(finger)), end_m_(geometry::bounds(finger).high.y - end_margin_m) {}
 
 FingerPose FingerFit::fit(std::span<const Vec3> skin, Transform T_world_finger, int steps) const {
   struct Hit {

@@ -329,10 +329,13 @@ PartsGrid add_parts(std::vector<shader::uvec4>& words, const geometry::Parts& pa
   }
   std::vector<LocalTriangle> triangles;
   if (faces == InternalFaces::drop) {
-    for (const geometry::UnionSurface::Triangle& t : geometry::union_surface(parts).triangles) {
-      LocalTriangle mine{{t.a - centre, t.b - centre, t.c - centre}, local[t.part].planes[t.plane], {}};
-      for (const Vec3& corner : mine.corners)
-        mine.box.add(corner);
+    const geometry::UnionSurface surface = geometry::union_surface(parts);
+    for (std::size_t t = 0; t < surface.faces.size(); ++t) {
+      const auto corner = [&](int i) { return surface.mesh.positions[surface.mesh.triangles[t][i]] - centre; };
+      const auto& [part, plane] = surface.faces[t];
+      LocalTriangle mine{{corner(0), corner(1), corner(2)}, local[part].planes[plane], {}};
+      for (const Vec3& at : mine.corners)
+        mine.box.add(at);
       triangles.push_back(mine);
     }
   }

@@ -2,17 +2,41 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "touch/fingers/exact.hpp"
 #include "touch/fingers/sections.hpp"
-#include "touch/fingers/sector_borders.hpp"
 
 namespace palpa::touch {
 namespace {
 
 constexpr std::uint32_t bins = 64;  ///< of an outline, at equal angles
 static_assert(bins <= max_foci);
+
+/// The direction of angle 2 pi n / N, exact if it lies on an axis.
+Float2 border(std::uint32_t n, std::uint32_t foci) {
+  const double angle = 2 * std::numbers::pi * n / foci;
+  double x = std::cos(angle), y = std::sin(angle);
+  if (std::abs(x) < 1e-12) x = 0;
+  if (std::abs(y) < 1e-12) y = 0;
+  return {static_cast<float>(x), static_cast<float>(y)};
+}
+
+/// The borders of N sectors for every N up to max_foci, one N after the other.
+std::vector<Float2> sector_borders() {
+  std::vector<Float2> borders;
+  for (std::uint32_t foci = 1; foci <= max_foci; ++foci) {
+    for (std::uint32_t n = 0; n < foci; ++n)
+      borders.push_back(border(n, foci));
+  }
+  return borders;
+}
+
+/// The index of the first border of a circle with `foci` sectors.
+constexpr std::size_t first_border(std::size_t foci) {
+  return foci * (foci - 1) / 2;
+}
 
 /// Eq. (5)'s scaling to equal variance and back, as symmetric matrices, for in-plane axes w1 and w2. In their
 /// coordinates, the first principal direction is (cosine, sine). For the principal axes themselves, they are Eq. (5)'s

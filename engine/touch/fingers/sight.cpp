@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/matrix.hpp>
 
+#include "sensing/surroundings.hpp"
+
 namespace palpa::touch {
 namespace {
 
@@ -16,11 +18,6 @@ constexpr std::uint32_t sample_shift = 26;
 constexpr std::uint32_t sample_hash = 0x9e3779b1;
 constexpr std::uint32_t sample_unhash = 0x0e8b2f51;
 static_assert(most_samples == 1U << (32 - sample_shift));
-
-shader::vec4 row_of(const Transform& T, int row) {
-  return {static_cast<float>(T[0][row]), static_cast<float>(T[1][row]), static_cast<float>(T[2][row]),
-          static_cast<float>(T[3][row])};
-}
 
 Float3 rotated(const shader::vec4& x, const shader::vec4& y, const shader::vec4& z, const Float3& v) {
   Float3 r;
@@ -70,12 +67,12 @@ std::vector<SightCamera> sight_cameras(std::span<const sensing::Camera> cameras,
     const Transform view = glm::inverse(pose);
     const auto single = [](double value) { return static_cast<float>(value); };
     const auto& [k1, k2, p1, p2, k3] = camera.distortion;
-    out.push_back({.pose_x = row_of(pose, 0),
-                   .pose_y = row_of(pose, 1),
-                   .pose_z = row_of(pose, 2),
-                   .view_x = row_of(view, 0),
-                   .view_y = row_of(view, 1),
-                   .view_z = row_of(view, 2),
+    out.push_back({.pose_x = sensing::row_of(pose, 0),
+                   .pose_y = sensing::row_of(pose, 1),
+                   .pose_z = sensing::row_of(pose, 2),
+                   .view_x = sensing::row_of(view, 0),
+                   .view_y = sensing::row_of(view, 1),
+                   .view_z = sensing::row_of(view, 2),
                    .lens = {single(camera.fx), single(camera.fy), single(camera.cx), single(camera.cy)},
                    .distortion = {single(k1), single(k2), single(p1), single(p2)},
                    .k3 = single(k3),

@@ -7,8 +7,22 @@
 #include "base/math.hpp"
 
 namespace palpa::touch {
-
 namespace {
+
+/// The paper's baseline (Sec. IV-C): a single focus at the centroid of the contacts. It does not move on the skin, so
+/// the schedule modulates it.
+void place_single_focus(const Finger& finger, Placement& out) {
+  out.foci.assign(1, {finger.section.centroid, finger.contact_count});
+  out.complete = true;
+}
+
+/// All foci of the cross-section at once, as in the paper's reference [12] (Long et al. 2014), which draws an object's
+/// intersection with the hand with several simultaneous foci and modulates them. The solver determines how well the
+/// array makes several foci at once.
+void place_multi_focus(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
+  place_cross_section(touch, finger, options, out);
+  out.complete = false;  // an empty sector's focus would only make its neighbour louder
+}
 
 void place_by_method(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out) {
   switch (options.method) {

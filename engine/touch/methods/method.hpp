@@ -1,9 +1,9 @@
 // A method turns a finger's cross-section into foci and decides which foci sound together. docs/methods.md compares the
 // methods.
 //
-// Each method is one function in its own file, method_NAME.cpp; place_foci() selects it by name. Methods come
-// after the fingers of a frame and before its schedule. They allocate nothing once their output has
-// grown. The schedule decides the order of the foci, their dwell and their intensity (array/schedule.hpp).
+// place_foci() selects a method by name. One of more than a few lines is a function in its own file, method_NAME.cpp.
+// Methods come after the fingers of a frame and before its schedule. They allocate nothing once their output has grown.
+// The schedule decides the order of the foci, their dwell and their intensity (array/schedule.hpp).
 #pragma once
 
 #include <cstdint>
@@ -62,9 +62,7 @@ void place_foci(const Touch& touch, const Finger& finger, const MethodOptions& o
 
 // The methods. The finger must not be point-like.
 void place_cross_section(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
-void place_single_focus(const Finger& finger, Placement& out);
 void place_ellipse(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
-void place_multi_focus(const Touch& touch, const Finger& finger, const MethodOptions& options, Placement& out);
 
 /// Length in metres of the closed path through the foci. It is the length of the circle whose inscribed polygon has the
 /// same number of corners and the same length as the polygon through the foci. It is exact for foci spread evenly on a
