@@ -2,6 +2,7 @@
 // floats.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -40,6 +41,22 @@ struct Box {
   void add(const Vec3& p) {
     low = Vec3(p.x < low.x ? p.x : low.x, p.y < low.y ? p.y : low.y, p.z < low.z ? p.z : low.z);
     high = Vec3(p.x > high.x ? p.x : high.x, p.y > high.y ? p.y : high.y, p.z > high.z ? p.z : high.z);
+  }
+  /// Whether the point lies in the box or on its surface.
+  bool contains(const Vec3& p) const {
+    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
+  }
+  /// Whether the boxes have a point in common, or are at most `slack` apart along each axis.
+  bool overlaps(const Box& other, double slack = 0) const {
+    return low.x <= other.high.x + slack && other.low.x <= high.x + slack && low.y <= other.high.y + slack &&
+           other.low.y <= high.y + slack && low.z <= other.high.z + slack && other.low.z <= high.z + slack;
+  }
+  /// The largest distance of a point from the origin along an axis.
+  double reach() const {
+    double farthest = 0;
+    for (int i = 0; i < 3; ++i)
+      farthest = std::max({farthest, std::abs(low[i]), std::abs(high[i])});
+    return farthest;
   }
   Vec3 centre() const { return (low + high) * 0.5; }
   /// Bits 0 to 2 of a corner's number tell where it is at `high`: on x, y, z.

@@ -24,14 +24,6 @@ std::string edge_text(const Mesh& mesh, std::array<std::uint32_t, 2> edge) {
   return fmt::format("from {} to {} m", text::point(mesh.positions[edge[0]]), text::point(mesh.positions[edge[1]]));
 }
 
-/// The largest distance of a vertex from the origin along an axis.
-double reach_of(const Box& box) {
-  double reach = 0;
-  for (int i = 0; i < 3; ++i)
-    reach = std::max({reach, std::abs(box.low[i]), std::abs(box.high[i])});
-  return reach;
-}
-
 void check_size(const std::string& file, const std::string& name, const Mesh& mesh) {
   if (mesh.triangles.empty()) {
     throw bad_input(
@@ -43,7 +35,7 @@ void check_size(const std::string& file, const std::string& name, const Mesh& me
   const Box box = bounds(mesh);
   const Vec3 extent = box.high - box.low;
   const double size = std::max({extent.x, extent.y, extent.z});
-  const double reach = reach_of(box);
+  const double reach = box.reach();
   if (!(std::max(size, reach) <= largest_size)) {
     throw bad_input(file, fmt::format("mesh {} reaches to {:.4g} m; a solid fits within a kilometre around the origin "
                                       "(glTF's unit is the metre)",
@@ -136,7 +128,7 @@ SolidMesh weld_closed(const Mesh& mesh) {
   Defects defects = find_defects(first.mesh);
   if (defects.closed_and_oriented()) return first;
   // So far from the origin that vertices coincide: refused for its position, not for the resulting faces.
-  if (!(reach_of(bounds(first.mesh)) <= largest_size)) return first;
+  if (!(bounds(first.mesh).reach() <= largest_size)) return first;
   const auto without_duplicates = [](const Mesh& welded) {
     SolidMesh less{welded, {}, {}};
     const Dropped dropped = drop_duplicates(less.mesh);

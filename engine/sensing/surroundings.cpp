@@ -16,13 +16,6 @@ Box box_of(const Slab& slab) {
           Vec3(slab.width_m / 2, slab.height_m / 2, slab_before_m)};
 }
 
-bool overlap(const Box& a, const Box& b, double slack) {
-  for (int i = 0; i < 3; ++i) {
-    if (a.low[i] > b.high[i] + slack || b.low[i] > a.high[i] + slack) return false;
-  }
-  return true;
-}
-
 /// The box around a box that is moved.
 Box moved(const Transform& T, const Box& box) {
   Box out;
@@ -80,9 +73,9 @@ void plan_drops(const Surroundings& surroundings, const Box& box, std::vector<sh
   }
   for (const Slab& slab : surroundings.slabs) {
     const Box own = box_of(slab);
-    if (!overlap(moved(slab.T_world_slab, own), box, slack_m)) continue;
+    if (!moved(slab.T_world_slab, own).overlaps(box, slack_m)) continue;
     const Transform T_slab_world = glm::inverse(slab.T_world_slab);
-    if (!overlap(moved(T_slab_world, box), own, slack_m)) continue;
+    if (!moved(T_slab_world, box).overlaps(own, slack_m)) continue;
     shader::SkinVolume volume{};
     volume.x = row_of(T_slab_world, 0);
     volume.y = row_of(T_slab_world, 1);
@@ -97,14 +90,14 @@ void plan_drops(const Surroundings& surroundings, const Box& box, std::vector<sh
 bool reaches_into(const geometry::Mesh& mesh, const Slab& slab) {
   const Box own = box_of(slab);
   const Box around = moved(slab.T_world_slab, own);
-  if (!overlap(geometry::bounds(mesh), around, 0)) return false;
+  if (!geometry::bounds(mesh).overlaps(around)) return false;
   const Transform T_slab_world = glm::inverse(slab.T_world_slab);
   std::vector<Vec3> polygon, scratch;
   for (const glm::uvec3& corners : mesh.triangles) {
     Box triangle;
     for (int i = 0; i < 3; ++i)
       triangle.add(mesh.positions[corners[i]]);
-    if (!overlap(triangle, around, 0)) continue;
+    if (!triangle.overlaps(around)) continue;
     polygon.clear();
     for (int i = 0; i < 3; ++i)
       polygon.push_back(transform_point(T_slab_world, mesh.positions[corners[i]]));

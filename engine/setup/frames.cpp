@@ -110,10 +110,7 @@ void check_surroundings(const session::SessionSetting& setting, const sensing::R
     const bool inside = std::ranges::any_of(setting.solids, [&](const geometry::Solid& solid) {
       solids.add(solid.bounds.low);
       solids.add(solid.bounds.high);
-      for (int i = 0; i < 3; ++i) {
-        if (solid.bounds.low[i] > room.high[i] || solid.bounds.high[i] < room.low[i]) return false;
-      }
-      return true;
+      return solid.bounds.overlaps(room);
     });
     if (!inside) {
       throw bad_input(rig.room->where,

@@ -34,12 +34,6 @@ class Bvh {
   std::vector<std::uint32_t> order_;
 };
 
-/// Whether the boxes have a point in common.
-inline bool overlap(const Box& a, const Box& b) {
-  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
-         a.low.z <= b.high.z && b.low.z <= a.high.z;
-}
-
 /// Squared distance of a point from a box; 0 inside.
 inline double distance2(const Box& box, const Vec3& p) {
   double sum = 0;

@@ -193,14 +193,14 @@ std::optional<Crossing> find_self_intersection(const Mesh& mesh, const Bvh& bvh,
       while (depth > 0 && !found[number]) {
         const std::uint32_t index = stack[--depth];
         const Bvh::Node& node = nodes[index];
-        if (node.end <= i + 1 || !overlap(node.box, boxes[i])) continue;
+        if (node.end <= i + 1 || !node.box.overlaps(boxes[i])) continue;
         if (node.second != 0) {
           stack[depth++] = node.second;
           stack[depth++] = index + 1;
           continue;
         }
         for (std::size_t k = std::max<std::size_t>(node.begin, i + 1); k < node.end; ++k) {
-          if (skipped[k] != 0 || !overlap(boxes[i], boxes[k])) continue;
+          if (skipped[k] != 0 || !boxes[i].overlaps(boxes[k])) continue;
           ++pairs[number];
           if (!triangles_meet(mesh, order[i], order[k])) continue;
           Box both{glm::max(boxes[i].low, boxes[k].low), glm::min(boxes[i].high, boxes[k].high)};

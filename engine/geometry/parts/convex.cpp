@@ -151,12 +151,11 @@ bool vertices_go_round_once(const Mesh& mesh, std::span<const std::uint32_t> twi
 }  // namespace
 
 double flatness_tolerance(const Mesh& mesh) {
-  const Box box = bounds(mesh);
-  if (box.empty()) return 0;
-  double reach = 0;
-  for (int i = 0; i < 3; ++i)
-    reach = std::max({reach, std::abs(box.low[i]), std::abs(box.high[i])});
-  return std::max(1e-6 * glm::distance(box.low, box.high), 2.5e-7 * reach);
+  return flatness_tolerance(bounds(mesh));
+}
+
+double flatness_tolerance(const Box& box) {
+  return box.empty() ? 0 : std::max(1e-6 * glm::distance(box.low, box.high), 2.5e-7 * box.reach());
 }
 
 bool has_reflex_edge(const Mesh& mesh, std::span<const std::uint32_t> twin, double tolerance) {

@@ -20,6 +20,8 @@ struct Plane {
 /// How far from a plane a vertex may lie and still count as on it, metres. This is the error of single-precision
 /// coordinates: 1e-6 of the mesh's diagonal, or of its distance from the origin if that costs more digits.
 double flatness_tolerance(const Mesh& mesh);
+/// The same for a mesh in this box.
+double flatness_tolerance(const Box& box);
 
 /// One plane per facet. Connected triangles that lie in one plane within `tolerance` form one facet; slivers too thin
 /// to have a direction join a neighbour. `mesh` is closed and oriented, `twin` its twins. Ordered by each facet's first

@@ -28,11 +28,7 @@ double smallest_seam(std::span<const Part> parts) {
     all.add(part.bounds.low);
     all.add(part.bounds.high);
   }
-  if (all.empty()) return 0;
-  double reach = 0;
-  for (int i = 0; i < 3; ++i)
-    reach = std::max({reach, std::abs(all.low[i]), std::abs(all.high[i])});
-  return std::max(1e-6 * glm::distance(all.low, all.high), 2.5e-7 * reach);
+  return flatness_tolerance(all);
 }
 
 double depth(const Part& part, const Vec3& point) {

@@ -99,7 +99,7 @@ class Builder {
     const std::atomic<bool>* const stop = cancel_flag();
     std::vector<std::uint32_t> near;
     for (std::uint32_t j = 0; j < parts_.parts.size(); ++j) {
-      if (j != self && touch(part.bounds, parts_.parts[j].bounds)) near.push_back(j);
+      if (j != self && part.bounds.overlaps(parts_.parts[j].bounds, seam_)) near.push_back(j);
     }
     for (std::uint32_t t = 0; t < part.mesh.triangles.size(); ++t) {
       stop_if_cancelled(stop);
@@ -115,19 +115,12 @@ class Builder {
       pieces_.push_back(std::move(face));
       for (const std::uint32_t j : near) {
         if (pieces_.empty()) break;
-        if (!touch(box, parts_.parts[j].bounds)) continue;
+        if (!box.overlaps(parts_.parts[j].bounds, seam_)) continue;
         take_out(j, j < self, part.planes[plane].normal);
       }
       for (const Polygon& piece : pieces_)
         add_triangles(piece, self, plane);
     }
-  }
-
-  bool touch(const Box& a, const Box& b) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (a.low[axis] > b.high[axis] + seam_ || b.low[axis] > a.high[axis] + seam_) return false;
-    }
-    return true;
   }
 
   void take_out(std::uint32_t other, bool earlier, const Vec3& normal) {

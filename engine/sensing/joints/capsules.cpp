@@ -12,18 +12,6 @@ constexpr double pi = std::numbers::pi;
 /// Points nearer to a capsule's surface than this are not inside it, in spite of rounding.
 constexpr double rounding_m = 1e-9;
 
-bool inside(const Box& box, const Vec3& p) {
-  return p.x >= box.low.x && p.y >= box.low.y && p.z >= box.low.z && p.x <= box.high.x && p.y <= box.high.y &&
-         p.z <= box.high.z;
-}
-
-bool overlap(const Box& a, const Box& b) {
-  for (int i = 0; i < 3; ++i) {
-    if (a.low[i] > b.high[i] || a.high[i] < b.low[i]) return false;
-  }
-  return true;
-}
-
 Box box_of(const Capsule& capsule) {
   Box box;
   for (const double sign : {-1.0, 1.0}) {
@@ -85,15 +73,15 @@ class Sampler {
  private:
   /// Whether a surface within `around` can have points. Finds the capsules that may cover them.
   bool begin(const Box& around) {
-    if (!overlap(around, box_)) return false;
+    if (!around.overlaps(box_)) return false;
     near_.clear();
     for (const Capsule& capsule : capsules_) {
-      if (overlap(box_of(capsule), around)) near_.push_back(&capsule);
+      if (box_of(capsule).overlaps(around)) near_.push_back(&capsule);
     }
     return true;
   }
   void add(const Vec3& point) {
-    if (!inside(box_, point) || !has_room()) return;
+    if (!box_.contains(point) || !has_room()) return;
     for (const Capsule* capsule : near_) {
       if (distance_to(*capsule, point) < -rounding_m) return;
     }

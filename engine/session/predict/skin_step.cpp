@@ -68,10 +68,6 @@ Image image_of(const CameraView& view, const KeptFrames& frames, std::size_t c) 
   return {c, view.cameras[c], view.tables.cameras[c], view.tables, frames.images()[c].depth};
 }
 
-bool inside(const Box& box, const Vec3& p) {
-  return glm::all(glm::greaterThanEqual(p, box.low)) && glm::all(glm::lessThanEqual(p, box.high));
-}
-
 void find_samples(const CameraView& view, const KeptFrames& now, const Box& box, SkinScratch& scratch) {
   std::vector<sensing::Crop>& crops = scratch.crops;
   scratch.samples.clear();
@@ -89,7 +85,7 @@ void find_samples(const CameraView& view, const KeptFrames& now, const Box& box,
     for (std::uint32_t v = crop.first_row; v < crop.first_row + crop.rows; v += step) {
       for (std::uint32_t u = crop.first_column; u < last; u += step) {
         const auto place = image.place_at(u, v);
-        if (!place || !inside(box, *place) || !image.is_skin(u, v, *place, scratch.volumes)) continue;
+        if (!place || !box.contains(*place) || !image.is_skin(u, v, *place, scratch.volumes)) continue;
         if (const auto normal = image.normal_at(u, v)) {
           scratch.samples.push_back({*place, glm::dmat3(image.camera.T_world_camera) * *normal, crop.camera});
         }
