@@ -174,51 +174,27 @@ struct Turned {
   return std::sqrt(*std::ranges::max_element(squares));
 }
 
-void one_plain(const Layout& layout, const OneFocus& focus, std::span<TransducerDrive> out) {
-  one(layout, focus, out);
-}
-double sum_plain(const Layout& layout, const SeveralFoci& foci, std::span<Complex> sums) {
-  return sum(layout, foci, sums);
-}
-void turn_plain(std::span<const Complex> sums, const Turned& by, std::span<TransducerDrive> out) {
-  turn(sums, by, out);
-}
-double farthest_plain(const Layout& layout, const Vec3& focus) {
-  return farthest(layout, focus);
-}
-PALPA_AVX2 void one_avx2(const Layout& layout, const OneFocus& focus, std::span<TransducerDrive> out) {
-  one(layout, focus, out);
-}
-PALPA_AVX2 double sum_avx2(const Layout& layout, const SeveralFoci& foci, std::span<Complex> sums) {
-  return sum(layout, foci, sums);
-}
-PALPA_AVX2 void turn_avx2(std::span<const Complex> sums, const Turned& by, std::span<TransducerDrive> out) {
-  turn(sums, by, out);
-}
-PALPA_AVX2 double farthest_avx2(const Layout& layout, const Vec3& focus) {
-  return farthest(layout, focus);
-}
-
 }  // namespace
 
 double farthest_distance(const Layout& layout, const Vec3& focus) {
-  return (has_avx2() ? farthest_avx2 : farthest_plain)(layout, focus);
+  return in_lanes([&](auto) PALPA_INLINED { return farthest(layout, focus); });
 }
 
 void drive_focus_in_free_field(const Layout& layout, const FocusSource& source, Weighting weighting,
                                const Medium& medium, std::span<TransducerDrive> out) {
-  (has_avx2() ? one_avx2 : one_plain)(layout, {source, Asked(source, weighting), medium.turns_per_metre()}, out);
+  const OneFocus focus{source, Asked(source, weighting), medium.turns_per_metre()};
+  in_lanes([&](auto) PALPA_INLINED { one(layout, focus, out); });
 }
 
 double sum_foci_in_free_field(const Layout& layout, std::span<const FocusSource> sources,
                               std::span<const FocusWeight> weights, Weighting weighting, const Medium& medium,
                               std::span<Complex> sums) {
-  return std::sqrt(
-      (has_avx2() ? sum_avx2 : sum_plain)(layout, {sources, weights, weighting, medium.turns_per_metre()}, sums));
+  const SeveralFoci foci{sources, weights, weighting, medium.turns_per_metre()};
+  return std::sqrt(in_lanes([&](auto) PALPA_INLINED { return sum(layout, foci, sums); }));
 }
 
 void drive_sums(std::span<const Complex> sums, double largest, double gain, std::span<TransducerDrive> out) {
-  (has_avx2() ? turn_avx2 : turn_plain)(sums, {largest, gain}, out);
+  in_lanes([&](auto) PALPA_INLINED { turn(sums, {largest, gain}, out); });
 }
 
 }  // namespace palpa::array

@@ -61,12 +61,6 @@ struct Wanted {
     }
   }
 }
-void fill_plain(const Wanted& wanted, Columns& columns) {
-  fill_all(wanted, columns);
-}
-PALPA_AVX2 void fill_avx2(const Wanted& wanted, Columns& columns) {
-  fill_all(wanted, columns);
-}
 
 }  // namespace
 
@@ -90,7 +84,8 @@ void FreeField::fill(std::span<const FocusSource> foci, Weighting weighting, std
   columns.transducers = count;
   for (std::vector<double>* values : {&columns.cosine, &columns.sine, &columns.loud, &columns.asked})
     values->resize(foci.size() * count);
-  (has_avx2() ? fill_avx2 : fill_plain)({*layout_, foci, weighting, first, turns_per_metre_, table_}, columns);
+  const Wanted wanted{*layout_, foci, weighting, first, turns_per_metre_, table_};
+  in_lanes([&](auto) PALPA_INLINED { fill_all(wanted, columns); });
 }
 
 }  // namespace palpa::array

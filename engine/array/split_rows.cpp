@@ -48,12 +48,6 @@ struct Products {
   }
   return {total(rr[0], rr[1]), total(ii[0], ii[1]), total(ri[0], ri[1]), total(ir[0], ir[1])};
 }
-Products multiply_plain(const Row& a, const Row& b, std::size_t count) {
-  return multiply(a, b, count);
-}
-PALPA_AVX2 Products multiply_avx2(const Row& a, const Row& b, std::size_t count) {
-  return multiply(a, b, count);
-}
 
 /// `sign` 1: adds the row; -1: its conjugate.
 [[gnu::always_inline]] inline void add(Complex factor, double sign, const Row& from, const RowOut& to,
@@ -65,12 +59,6 @@ PALPA_AVX2 Products multiply_avx2(const Row& a, const Row& b, std::size_t count)
     to.im[n] += x * im + y * re;
   }
 }
-void add_plain(Complex factor, double sign, const Row& from, const RowOut& to, std::size_t count) {
-  add(factor, sign, from, to, count);
-}
-PALPA_AVX2 void add_avx2(Complex factor, double sign, const Row& from, const RowOut& to, std::size_t count) {
-  add(factor, sign, from, to, count);
-}
 
 Row row_of(const SplitRows& rows, std::size_t row) {
   return {rows.re.data() + row * rows.stride, rows.im.data() + row * rows.stride};
@@ -81,12 +69,14 @@ RowOut row_of(SplitRows& rows, std::size_t row) {
 
 Products products_of(const SplitRows& a, std::size_t row_a, const SplitRows& b, std::size_t row_b) {
   assert(a.stride == b.stride && row_a < a.rows && row_b < b.rows);
-  return (has_avx2() ? multiply_avx2 : multiply_plain)(row_of(a, row_a), row_of(b, row_b), a.stride);
+  return in_lanes([&](auto) PALPA_INLINED { return multiply(row_of(a, row_a), row_of(b, row_b), a.stride); });
 }
 void add_signed(Complex factor, double sign, const SplitRows& from, std::size_t row_from, SplitRows& to,
                 std::size_t row_to) {
   assert(from.stride == to.stride && row_from < from.rows && row_to < to.rows);
-  (has_avx2() ? add_avx2 : add_plain)(factor, sign, row_of(from, row_from), row_of(to, row_to), to.stride);
+  const Row row = row_of(from, row_from);
+  const RowOut sum = row_of(to, row_to);
+  in_lanes([&](auto) PALPA_INLINED { add(factor, sign, row, sum, to.stride); });
 }
 
 /// `sign` 1: in phase with the arriving pressure; -1: conjugate.

@@ -24,12 +24,6 @@ namespace {
     }
   }
 }
-void add_plain(const Columns& columns, double* matrix_re, double* matrix_im) {
-  add_all(columns, matrix_re, matrix_im);
-}
-PALPA_AVX2 void add_avx2(const Columns& columns, double* matrix_re, double* matrix_im) {
-  add_all(columns, matrix_re, matrix_im);
-}
 
 }  // namespace
 
@@ -37,7 +31,7 @@ void multiply(const Columns& columns, FocusMatrix& matrix) {
   matrix.foci = columns.foci;
   matrix.re.assign(columns.foci * columns.foci, 0);
   matrix.im.assign(columns.foci * columns.foci, 0);
-  (has_avx2() ? add_avx2 : add_plain)(columns, matrix.re.data(), matrix.im.data());
+  in_lanes([&](auto) PALPA_INLINED { add_all(columns, matrix.re.data(), matrix.im.data()); });
 }
 
 }  // namespace palpa::array

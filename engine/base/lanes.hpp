@@ -1,7 +1,6 @@
-// Several floats at a time in compiler vectors. The arithmetic is the same for any width. The calling code compiles its
-// loop for several kinds of processor and chooses one at run time (search_lanes.cpp, galerkin_kernels.cpp). Every
-// width gives the same bits unless the kind of processor lets the compiler fuse multiplications with additions: "fma"
-// does, "avx2" does not.
+// Several floats at a time in compiler vectors, and loops that are compiled for several kinds of processor, one of
+// which is chosen at run time. The arithmetic is the same for any width. Every width gives the same bits unless the
+// kind of processor lets the compiler fuse multiplications with additions: "fma" does, "avx2" does not.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +9,10 @@
 // Vectors wider than the processor's registers are only passed within one inlined function, so no ABI is affected.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-// A function with this attribute is compiled for processors with AVX2, with all that is inlined into it. Call it only
-// if has_avx2().
-#if defined(__x86_64__)
-#define PALPA_AVX2 [[gnu::target("avx2")]]
-#else
-#define PALPA_AVX2
-#endif
+// Stands after the parameters of a lambda that in_lanes() takes. What is not inlined is compiled for every processor.
+#define PALPA_INLINED __attribute__((always_inline))
 
 namespace palpa {
-
-inline bool has_avx2() {
-#if defined(__x86_64__)
-  return __builtin_cpu_supports("avx2") != 0;
-#else
-  return false;
-#endif
-}
 
 struct Lanes4 {
   static constexpr int width = 4;
@@ -71,6 +57,30 @@ template <class L>
 #else
   return (all[0] & all[1] & all[2] & all[3]) == -1;
 #endif
+}
+
+// A function of its own for each kind of processor, so that none needs the stack frame of another.
+template <class Work>
+[[gnu::noinline]] auto in_plain_lanes(const Work& work) {
+  return work(Lanes4{});
+}
+#if defined(__x86_64__)
+template <class Work>
+[[gnu::target("avx2")]] auto in_avx2_lanes(const Work& work) {
+  return work(Lanes8{});
+}
+#endif
+
+/// Calls `work`, a lambda `[&]<class L>(L) PALPA_INLINED { ... }`, and returns its result. It is compiled twice, with
+/// all that is inlined into it: with AVX2 and L = Lanes8, and for every processor with L = Lanes4. A lambda whose
+/// vectors do not depend on the processor is `[&](auto) PALPA_INLINED { ... }`. Do not return a vector: GCC 14 warns
+/// about its ABI.
+template <class Work>
+auto in_lanes(const Work& work) {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return in_avx2_lanes(work);
+#endif
+  return in_plain_lanes(work);
 }
 
 /// 1 / sqrt(x) within 2e-7 for x from 1e-30 to 1e30: a first guess from the bits of x, then three Newton steps.

@@ -35,20 +35,12 @@ namespace {
   }
   return true;
 }
-bool place_plain(const Crop& crop, const Bounds& box, const std::uint16_t* depth, const glm::vec2* rays,
-                 std::uint32_t count, SkinPixels& __restrict out) {
-  return place(crop, box, depth, rays, count, out);
-}
-PALPA_AVX2 bool place_avx2(const Crop& crop, const Bounds& box, const std::uint16_t* depth, const glm::vec2* rays,
-                           std::uint32_t count, SkinPixels& __restrict out) {
-  return place(crop, box, depth, rays, count, out);
-}
 
 }  // namespace
 
 bool place_pixels(const Crop& crop, const Bounds& box, const std::uint16_t* depth, const glm::vec2* rays,
                   std::uint32_t count, SkinPixels& out) {
-  return (has_avx2() ? place_avx2 : place_plain)(crop, box, depth, rays, count, out);
+  return in_lanes([&](auto) PALPA_INLINED { return place(crop, box, depth, rays, count, out); });
 }
 
 }  // namespace palpa::sensing

@@ -57,36 +57,6 @@ template <class L>
   }
 }
 
-using Sums = void (*)(const FarSamples&, const std::array<float, 3>&, std::span<const float>,
-                      std::span<std::complex<double>>);
-
-void sums_plain(const FarSamples& samples, const std::array<float, 3>& direction, std::span<const float> pressures,
-                std::span<std::complex<double>> sums) {
-  sums_in<Lanes4>(samples, direction, pressures, sums);
-}
-
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void sums_avx2(const FarSamples& samples, const std::array<float, 3>& direction,
-                                           std::span<const float> pressures, std::span<std::complex<double>> sums) {
-  sums_in<Lanes8>(samples, direction, pressures, sums);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void sums_avx512(const FarSamples& samples,
-                                                              const std::array<float, 3>& direction,
-                                                              std::span<const float> pressures,
-                                                              std::span<std::complex<double>> sums) {
-  sums_in<Lanes16>(samples, direction, pressures, sums);
-}
-#endif
-
-Sums best_sums() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return sums_avx512;
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return sums_avx2;
-#endif
-  return sums_plain;
-}
-
 }  // namespace
 
 FarSamples::FarSamples(std::span<const Vec3> points, std::span<const Vec3> normals, std::span<const double> areas,
@@ -106,9 +76,9 @@ FarSamples::FarSamples(std::span<const Vec3> points, std::span<const Vec3> norma
 
 void far_sums(const FarSamples& samples, const Vec3& direction, std::span<const float> pressures,
               std::span<std::complex<double>> sums) {
-  static const Sums best = best_sums();
-  best(samples, {static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z)},
-       pressures, sums);
+  const std::array<float, 3> towards = {static_cast<float>(direction.x), static_cast<float>(direction.y),
+                                        static_cast<float>(direction.z)};
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { sums_in<L>(samples, towards, pressures, sums); });
 }
 
 }  // namespace palpa::acoustics

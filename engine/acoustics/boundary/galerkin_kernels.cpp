@@ -233,91 +233,25 @@ template <class L>
   }
 }
 
-using Far = void (*)(const FarPatch&, const FarGroup&, float, FarBlocks&);
-using Near = void (*)(const NearPatch&, const NearPatch&, const PairTable&, float, Block&, Block&);
-using Layer = void (*)(const std::array<float, 3>&, const LayerGroup&, float, LayerSums&);
-
 template <class L>
 [[gnu::always_inline]] inline void far_all(const FarPatch& test, const FarGroup& trial, float k, FarBlocks& out) {
   for (std::size_t lane = 0; lane < far_lanes; lane += L::width)
     far_lanes_at<L>(test, trial, k, lane, out);
 }
 
-void far_plain(const FarPatch& test, const FarGroup& trial, float k, FarBlocks& out) {
-  far_all<Lanes4>(test, trial, k, out);
-}
-
-void near_plain(const NearPatch& test, const NearPatch& trial, const PairTable& table, float k, Block& a, Block& b) {
-  near_lanes<Lanes4>(test, trial, table, k, a, b);
-}
-
-void layer_plain(const std::array<float, 3>& point, const LayerGroup& patches, float k, LayerSums& out) {
-  layer_all<Lanes4>(point, patches, k, out);
-}
-
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void layer_avx2(const std::array<float, 3>& point, const LayerGroup& patches, float k,
-                                            LayerSums& out) {
-  layer_all<Lanes8>(point, patches, k, out);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void layer_avx512(const std::array<float, 3>& point,
-                                                               const LayerGroup& patches, float k, LayerSums& out) {
-  layer_all<Lanes16>(point, patches, k, out);
-}
-
-[[gnu::target("avx2,fma")]] void far_avx2(const FarPatch& test, const FarGroup& trial, float k, FarBlocks& out) {
-  far_all<Lanes8>(test, trial, k, out);
-}
-
-[[gnu::target("avx2,fma")]] void near_avx2(const NearPatch& test, const NearPatch& trial, const PairTable& table,
-                                           float k, Block& a, Block& b) {
-  near_lanes<Lanes8>(test, trial, table, k, a, b);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void far_avx512(const FarPatch& test, const FarGroup& trial, float k,
-                                                             FarBlocks& out) {
-  far_all<Lanes16>(test, trial, k, out);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void near_avx512(const NearPatch& test, const NearPatch& trial,
-                                                              const PairTable& table, float k, Block& a, Block& b) {
-  near_lanes<Lanes16>(test, trial, table, k, a, b);
-}
-#endif
-
-struct Kernels {
-  Far far = far_plain;
-  Near near = near_plain;
-  Layer layer = layer_plain;
-};
-
-const Kernels& kernels() {
-  static const Kernels chosen = [] {
-    Kernels best;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) best = {far_avx2, near_avx2, layer_avx2};
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-      best = {far_avx512, near_avx512, layer_avx512};
-#endif
-    return best;
-  }();
-  return chosen;
-}
-
 }  // namespace
 
 void far_blocks(const FarPatch& test, const FarGroup& trial, float wave_number, FarBlocks& out) {
-  kernels().far(test, trial, wave_number, out);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { far_all<L>(test, trial, wave_number, out); });
 }
 
 void layer_sums(const std::array<float, 3>& point, const LayerGroup& patches, float wave_number, LayerSums& out) {
-  kernels().layer(point, patches, wave_number, out);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { layer_all<L>(point, patches, wave_number, out); });
 }
 
 void near_blocks(const NearPatch& test, const NearPatch& trial, const PairTable& table, float wave_number, Block& block,
                  Block& exchanged) {
-  kernels().near(test, trial, table, wave_number, block, exchanged);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { near_lanes<L>(test, trial, table, wave_number, block, exchanged); });
 }
 
 }  // namespace palpa::acoustics

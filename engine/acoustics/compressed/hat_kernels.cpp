@@ -106,62 +106,14 @@ template <class L, Part part>
     sums_at<L, part>(hat, patches, k, lane, out);
 }
 
-using Sums = void (*)(std::span<const HatSample>, const FarGroup&, float, HatSums&);
-
-void row_plain(std::span<const HatSample> hat, const FarGroup& patches, float k, HatSums& out) {
-  all_sums<Lanes4, Part::row>(hat, patches, k, out);
-}
-
-void column_plain(std::span<const HatSample> hat, const FarGroup& patches, float k, HatSums& out) {
-  all_sums<Lanes4, Part::column>(hat, patches, k, out);
-}
-
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void row_avx2(std::span<const HatSample> hat, const FarGroup& patches, float k,
-                                          HatSums& out) {
-  all_sums<Lanes8, Part::row>(hat, patches, k, out);
-}
-
-[[gnu::target("avx2,fma")]] void column_avx2(std::span<const HatSample> hat, const FarGroup& patches, float k,
-                                             HatSums& out) {
-  all_sums<Lanes8, Part::column>(hat, patches, k, out);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void row_avx512(std::span<const HatSample> hat, const FarGroup& patches,
-                                                             float k, HatSums& out) {
-  all_sums<Lanes16, Part::row>(hat, patches, k, out);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void column_avx512(std::span<const HatSample> hat, const FarGroup& patches,
-                                                                float k, HatSums& out) {
-  all_sums<Lanes16, Part::column>(hat, patches, k, out);
-}
-#endif
-
-struct Kernels {
-  Sums row = row_plain, column = column_plain;
-};
-
-const Kernels& kernels() {
-  static const Kernels chosen = [] {
-    Kernels best;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) best = {row_avx2, column_avx2};
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) best = {row_avx512, column_avx512};
-#endif
-    return best;
-  }();
-  return chosen;
-}
-
 }  // namespace
 
 void hat_row(std::span<const HatSample> test, const FarGroup& trials, float wave_number, HatSums& out) {
-  kernels().row(test, trials, wave_number, out);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { all_sums<L, Part::row>(test, trials, wave_number, out); });
 }
 
 void hat_column(std::span<const HatSample> trial, const FarGroup& tests, float wave_number, HatSums& out) {
-  kernels().column(trial, tests, wave_number, out);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { all_sums<L, Part::column>(trial, tests, wave_number, out); });
 }
 
 }  // namespace palpa::acoustics

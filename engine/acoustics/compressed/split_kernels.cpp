@@ -116,64 +116,14 @@ template <class L>
   if (v < count) dot_vectors<L, 1>(m, x, count, v, factors);
 }
 
-using Add = void (*)(const SplitMatrix&, const float*, std::size_t, const SplitVectors&);
-using Dot = void (*)(const SplitMatrix&, const SplitVectors&, std::size_t, float*);
-
-void add_plain(const SplitMatrix& m, const float* factors, std::size_t count, const SplitVectors& y) {
-  add_all<Lanes4>(m, factors, count, y);
-}
-
-void dot_plain(const SplitMatrix& m, const SplitVectors& x, std::size_t count, float* factors) {
-  dot_all<Lanes4>(m, x, count, factors);
-}
-
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void add_avx2(const SplitMatrix& m, const float* factors, std::size_t count,
-                                          const SplitVectors& y) {
-  add_all<Lanes8>(m, factors, count, y);
-}
-
-[[gnu::target("avx2,fma")]] void dot_avx2(const SplitMatrix& m, const SplitVectors& x, std::size_t count,
-                                          float* factors) {
-  dot_all<Lanes8>(m, x, count, factors);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void add_avx512(const SplitMatrix& m, const float* factors,
-                                                             std::size_t count, const SplitVectors& y) {
-  add_all<Lanes16>(m, factors, count, y);
-}
-
-[[gnu::target("avx512f,avx512dq,avx2,fma")]] void dot_avx512(const SplitMatrix& m, const SplitVectors& x,
-                                                             std::size_t count, float* factors) {
-  dot_all<Lanes16>(m, x, count, factors);
-}
-#endif
-
-struct Kernels {
-  Add add = add_plain;
-  Dot dot = dot_plain;
-};
-
-const Kernels& kernels() {
-  static const Kernels chosen = [] {
-    Kernels best;
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) best = {add_avx2, dot_avx2};
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) best = {add_avx512, dot_avx512};
-#endif
-    return best;
-  }();
-  return chosen;
-}
-
 }  // namespace
 
 void add_columns(const SplitMatrix& m, const float* factors, std::size_t count, const SplitVectors& y) {
-  kernels().add(m, factors, count, y);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { add_all<L>(m, factors, count, y); });
 }
 
 void dot_columns(const SplitMatrix& m, const SplitVectors& x, std::size_t count, float* factors) {
-  kernels().dot(m, x, count, factors);
+  in_wide_lanes([&]<class L>(L) PALPA_INLINED { dot_all<L>(m, x, count, factors); });
 }
 
 }  // namespace palpa::acoustics

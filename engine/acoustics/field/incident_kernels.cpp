@@ -201,39 +201,16 @@ template <class L>
   }
 }
 
-void transfer_plain(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
-                    TransferBlock& out) {
-  transfer_all(setting, from, to, slopes, out);
-}
-void add_plain(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
-               SumBlock& sum) {
-  add_all<Lanes4>(strengths, sounds, slopes, sum);
-}
-void receive_plain(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
-  receive_all<Lanes4>(rows, sound, sums);
-}
-PALPA_AVX2 void receive_avx2(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
-  receive_all<Lanes8>(rows, sound, sums);
-}
-PALPA_AVX2 void transfer_avx2(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
-                              TransferBlock& out) {
-  transfer_all(setting, from, to, slopes, out);
-}
-PALPA_AVX2 void add_avx2(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds,
-                         bool slopes, SumBlock& sum) {
-  add_all<Lanes8>(strengths, sounds, slopes, sum);
-}
-
 }  // namespace
 
 void transfer(const TransferSetting& setting, const Transducer& from, const PointBlock& to, bool slopes,
               TransferBlock& out) {
-  (has_avx2() ? transfer_avx2 : transfer_plain)(setting, from, to, slopes, out);
+  in_lanes([&](auto) PALPA_INLINED { transfer_all(setting, from, to, slopes, out); });
 }
 
 void add_products(std::span<const std::complex<float>> strengths, std::span<const TransferBlock> sounds, bool slopes,
                   SumBlock& sum) {
-  (has_avx2() ? add_avx2 : add_plain)(strengths, sounds, slopes, sum);
+  in_lanes([&]<class L>(L) PALPA_INLINED { add_all<L>(strengths, sounds, slopes, sum); });
 }
 
 void add_slopes(std::complex<float> factor, TransferBlock& sound) {
@@ -245,7 +222,7 @@ void add_slopes(std::complex<float> factor, TransferBlock& sound) {
 }
 
 void add_received(std::span<const SourceBlock> rows, const TransferBlock& sound, std::span<LaneSums> sums) {
-  (has_avx2() ? receive_avx2 : receive_plain)(rows, sound, sums);
+  in_lanes([&]<class L>(L) PALPA_INLINED { receive_all<L>(rows, sound, sums); });
 }
 
 std::complex<double> LaneSums::total() const {

@@ -135,25 +135,6 @@ using Pairs = std::array<Vector, most_solved_foci*(most_solved_foci + 1) / 2>;
   }
 }
 
-void listen_plain(const LaneColumns& columns, const LaneDrives& drive, Sums& re, Sums& im) {
-  listen_all(columns, drive, re, im);
-}
-void turn_plain(const Work& work, float stiffness, float most_turn, LaneDrives& tried, Sums& re, Sums& im) {
-  turn_all(work, stiffness, most_turn, tried, re, im);
-}
-void grow_plain(const Work& work, std::size_t every, Pairs& pairs) {
-  grow_all(work, every, pairs);
-}
-PALPA_AVX2 void listen_avx2(const LaneColumns& columns, const LaneDrives& drive, Sums& re, Sums& im) {
-  listen_all(columns, drive, re, im);
-}
-PALPA_AVX2 void turn_avx2(const Work& work, float stiffness, float most_turn, LaneDrives& tried, Sums& re, Sums& im) {
-  turn_all(work, stiffness, most_turn, tried, re, im);
-}
-PALPA_AVX2 void grow_avx2(const Work& work, std::size_t every, Pairs& pairs) {
-  grow_all(work, every, pairs);
-}
-
 double total(const Vector& lanes) {
   double sum = 0;
   for (std::size_t lane = 0; lane < lanes_together; ++lane)
@@ -204,7 +185,7 @@ void give_back(const LaneDrives& lanes, std::span<Complex> drive) {
 
 void hear_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<Complex> pressure) {
   Sums re{}, im{};
-  (has_avx2() ? listen_avx2 : listen_plain)(columns, drive, re, im);
+  in_lanes([&](auto) PALPA_INLINED { listen_all(columns, drive, re, im); });
   total(re, im, pressure);
 }
 
@@ -215,8 +196,10 @@ void turn_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<c
   tried.im.resize(drive.im.size());
   const Pulls pulls(pull), stiff(held.stiff);
   Sums re{}, im{};
-  (has_avx2() ? turn_avx2 : turn_plain)({columns, drive, pulls, stiff, static_cast<float>(held.soft)},
-                                        static_cast<float>(stiffness), static_cast<float>(most_turn), tried, re, im);
+  const Work work{columns, drive, pulls, stiff, static_cast<float>(held.soft)};
+  in_lanes([&](auto) PALPA_INLINED {
+    turn_all(work, static_cast<float>(stiffness), static_cast<float>(most_turn), tried, re, im);
+  });
   total(re, im, pressure);
 }
 
@@ -227,7 +210,8 @@ void find_growth(const LaneColumns& columns, const LaneDrives& drive, std::span<
   Pairs pairs;
   const std::size_t foci = columns.foci;
   std::fill_n(pairs.begin(), foci * (foci + 1) / 2, zero());
-  (has_avx2() ? grow_avx2 : grow_plain)({columns, drive, turns, stiff, static_cast<float>(held.soft)}, every, pairs);
+  const Work work{columns, drive, turns, stiff, static_cast<float>(held.soft)};
+  in_lanes([&](auto) PALPA_INLINED { grow_all(work, every, pairs); });
   std::size_t pair = 0;
   for (std::size_t j = 0; j < foci; ++j) {
     for (std::size_t k = 0; k <= j; ++k)

@@ -56,12 +56,6 @@ struct Rounded {
     most = std::max(most, sum_re[j] * sum_re[j] + sum_im[j] * sum_im[j]);
   return std::sqrt(most);
 }
-double loudest_plain(const Rounded& drive) {
-  return loudest(drive);
-}
-PALPA_AVX2 double loudest_avx2(const Rounded& drive) {
-  return loudest(drive);
-}
 
 double turn_of(std::uint32_t number) {
   return static_cast<double>(number) / (common_phases * roundings[0].steps);
@@ -83,8 +77,8 @@ void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span
   const auto worst_of = [&](std::uint32_t number, double enough) {
     double worst = 0;
     for (const Rounding& rounding : roundings) {
-      const double heard = (has_avx2() ? loudest_avx2 : loudest_plain)(
-          {nulls, scratch.size, scratch.turns, turn_of(number), static_cast<double>(rounding.steps)});
+      const Rounded rounded{nulls, scratch.size, scratch.turns, turn_of(number), static_cast<double>(rounding.steps)};
+      const double heard = in_lanes([&](auto) PALPA_INLINED { return loudest(rounded); });
       worst = std::max(worst, heard / (rounding.depth * weakest_focus));
       if (worst >= enough) break;
     }

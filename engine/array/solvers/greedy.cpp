@@ -50,19 +50,12 @@ struct Choice {
     }
   }
 }
-void cost_plain(const Choice& choice, Phases& costs) {
-  cost_all(choice, costs);
-}
-PALPA_AVX2 void cost_avx2(const Choice& choice, Phases& costs) {
-  cost_all(choice, costs);
-}
 
 }  // namespace
 
 void greedy(const Columns& columns, std::span<const double> gains, std::span<std::uint8_t> phases) {
   const std::size_t foci = columns.foci;
   assert(gains.size() == foci && phases.size() == columns.transducers && foci <= most_solved_foci);
-  const auto cost = has_avx2() ? cost_avx2 : cost_plain;
   Phases cosine{}, sine{}, costs{};
   for (std::uint32_t c = 0; c < greedy_phases; ++c) {
     cosine[c] = std::cos(2 * std::numbers::pi * c / greedy_phases);
@@ -93,7 +86,7 @@ void greedy(const Columns& columns, std::span<const double> gains, std::span<std
       lacks[j] = gains[j] * share * level - size[j];
     std::size_t best = 0;
     if (done > 0) {  // for the first transducer, all phases are equivalent
-      cost(choice, costs);
+      in_lanes([&](auto) PALPA_INLINED { cost_all(choice, costs); });
       best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
     }
     for (std::size_t j = 0; j < foci; ++j) {

@@ -97,15 +97,6 @@ struct Starts {
   }
 }
 
-void run_plain(const SinglePart& part, const std::array<float, most_searched_foci>& claims, std::uint32_t steps,
-               Starts& starts) {
-  run_all(part, claims, steps, starts);
-}
-PALPA_AVX2 void run_avx2(const SinglePart& part, const std::array<float, most_searched_foci>& claims,
-                         std::uint32_t steps, Starts& starts) {
-  run_all(part, claims, steps, starts);
-}
-
 }  // namespace
 
 void take_single(const Columns& columns, SinglePart& part) {
@@ -126,7 +117,6 @@ void take_single(const Columns& columns, SinglePart& part) {
 
 void run_starts(const SinglePart& part, std::span<const double> claims, std::uint32_t steps,
                 std::span<std::complex<double>> starts, std::span<double> merits) {
-  const auto run = has_avx2() ? run_avx2 : run_plain;
   const std::size_t foci = part.foci, count = merits.size();
   assert(count <= starts_together && foci <= most_searched_foci && starts.size() == count * foci);
   std::array<float, most_searched_foci> single{};
@@ -143,7 +133,7 @@ void run_starts(const SinglePart& part, std::span<const double> claims, std::uin
     lanes.best_re[j] = lanes.re[j];
     lanes.best_im[j] = lanes.im[j];
   }
-  run(part, single, steps, lanes);
+  in_lanes([&](auto) PALPA_INLINED { run_all(part, single, steps, lanes); });
   for (std::size_t lane = 0; lane < count; ++lane) {
     merits[lane] = static_cast<double>(lanes.merit[lane]);
     for (std::size_t j = 0; j < foci; ++j)

@@ -90,14 +90,8 @@ struct Step {
     sum_block(first, count, to);
   }
 }
-void pass_plain(const PhasedSounds& from, const Step& step, PhasedSounds& to) {
-  pass(from, step, to);
-}
-PALPA_AVX2 void pass_avx2(const PhasedSounds& from, const Step& step, PhasedSounds& to) {
-  pass(from, step, to);
-}
 void make_pass(const PhasedSounds& from, const Step& step, PhasedSounds& to) {
-  (has_avx2() ? pass_avx2 : pass_plain)(from, step, to);
+  in_lanes([&](auto) PALPA_INLINED { pass(from, step, to); });
 }
 
 /// Fills four products for each pair of rows, k <= j: Re Re, Re Im, Im Re, Im Im.
@@ -128,16 +122,10 @@ void make_pass(const PhasedSounds& from, const Step& step, PhasedSounds& to) {
     }
   }
 }
-void multiply_plain(const SplitRows& waves, std::span<double> all) {
-  multiply_all(waves, all);
-}
-PALPA_AVX2 void multiply_avx2(const SplitRows& waves, std::span<double> all) {
-  multiply_all(waves, all);
-}
 void multiply_rows(SilentScratch& scratch) {
   const std::size_t rows = scratch.now.waves.rows;
   scratch.products.resize(products_each * rows * (rows + 1) / 2);
-  (has_avx2() ? multiply_avx2 : multiply_plain)(scratch.now.waves, scratch.products);
+  in_lanes([&](auto) PALPA_INLINED { multiply_all(scratch.now.waves, scratch.products); });
 }
 
 void fit(std::size_t rows, std::size_t transducers, PhasedSounds& sounds) {

@@ -40,23 +40,15 @@ template <class L>
   return out;
 }
 
-std::uint32_t* keep_plain(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
-                          const float* d2, std::size_t stride, std::uint32_t* out) {
-  return keep_with<Lanes4>(contest, rivals_stay, list, d2, stride, out);
-}
-PALPA_AVX2 std::uint32_t* keep_avx2(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
-                                    const float* d2, std::size_t stride, std::uint32_t* out) {
-  return keep_with<Lanes8>(contest, rivals_stay, list, d2, stride, out);
-}
-
 }  // namespace
 
 std::uint32_t keep_unbeaten(const Contest& contest, bool rivals_stay, std::span<const std::uint32_t> list,
                             const float* d2, std::size_t stride, std::vector<std::uint32_t>& kept) {
-  const auto best = has_avx2() ? keep_avx2 : keep_plain;
   const std::size_t before = kept.size();
   kept.resize(before + list.size());
-  const std::uint32_t* end = best(contest, rivals_stay, list, d2, stride, kept.data() + before);
+  const std::uint32_t* end = in_lanes([&]<class L>(L) PALPA_INLINED {
+    return keep_with<L>(contest, rivals_stay, list, d2, stride, kept.data() + before);
+  });
   kept.resize(static_cast<std::size_t>(end - kept.data()));
   return static_cast<std::uint32_t>(kept.size() - before);
 }

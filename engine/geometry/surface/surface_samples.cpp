@@ -69,21 +69,14 @@ template <class L>
   return i;
 }
 
-void distances2_plain(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z,
-                      std::size_t count, float* out) {
-  distances2_of<Lanes4>(t, x, y, z, 0, count, out);
-}
-PALPA_AVX2 void distances2_avx2(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z,
-                                std::size_t count, float* out) {
-  const std::size_t rest = distances2_of<Lanes8>(t, x, y, z, 0, count, out);
-  distances2_of<Lanes4>(t, x, y, z, rest, count, out);
-}
-
 }  // namespace
 
 void distances2(const shader::SurfaceTriangle& t, const float* x, const float* y, const float* z, std::size_t count,
                 float* out) {
-  (has_avx2() ? distances2_avx2 : distances2_plain)(t, x, y, z, count, out);
+  in_lanes([&]<class L>(L) PALPA_INLINED {
+    const std::size_t rest = distances2_of<L>(t, x, y, z, 0, count, out);
+    if constexpr (L::width > Lanes4::width) distances2_of<Lanes4>(t, x, y, z, rest, count, out);
+  });
 }
 
 Vec3 nearest_point(const shader::SurfaceTriangle& t, const Vec3& p) {

@@ -120,15 +120,6 @@ struct Block {
   }
 }
 
-void respond_plain(const Block& in, const AfferentModel& m, double level, const Coefficients& filter,
-                   const std::array<double, after_samples + 1>& after, Spikes& out) {
-  respond_block(in, m, level, filter, after, out);
-}
-PALPA_AVX2 void respond_avx2(const Block& in, const AfferentModel& m, double level, const Coefficients& filter,
-                             const std::array<double, after_samples + 1>& after, Spikes& out) {
-  respond_block(in, m, level, filter, after, out);
-}
-
 }  // namespace
 
 SiteSignal::SiteSignal(std::size_t sites, std::size_t samples)
@@ -143,10 +134,9 @@ Spikes respond(const SkinMotion& motion, const AfferentModel& model, double leve
   const Coefficients filter = butterworth(model.cutoff_hz);
   const auto after = after_spike(model);
   for (std::size_t b = 0; b < velocity.blocks(); ++b) {
-    const std::size_t first = b * lanes;
-    (has_avx2() ? respond_avx2 : respond_plain)({motion.stress.block(b), velocity.block(b), velocity.samples(), from,
-                                                 std::min(lanes, velocity.sites() - first), first},
-                                                model, level, filter, after, out);
+    const std::size_t first = b * lanes, sites = std::min(lanes, velocity.sites() - first);
+    const Block block{motion.stress.block(b), velocity.block(b), velocity.samples(), from, sites, first};
+    in_lanes([&](auto) PALPA_INLINED { respond_block(block, model, level, filter, after, out); });
   }
   return out;
 }
