@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <numbers>
 #include <string>
 
+#include "array/layouts/layout.hpp"
+#include "base/math.hpp"
 #include "sensing/rig.hpp"
+#include "setup/target_mount.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -51,6 +55,14 @@ TEST(CalibrateTask, ARehearsalReportsItsFramesAndResiduals) {
     EXPECT_EQ(result.rig.cameras[i].T_world_camera, result.cameras[i].T_world_camera);
     EXPECT_EQ(result.rig.cameras[i].residual_m, result.cameras[i].found.fit.rms_m);
   }
+}
+
+TEST(TargetMount, TurnsCounterClockwiseSeenFromAbove) {
+  const setup::TargetMount mount = setup::target_mount(array::load_layout("openmpd"));
+  const Transform moved = setup::moved_mount(mount, {0.01, 0.02, 0.03}, std::numbers::pi / 2);
+  const Vec3 x = transform_direction(moved, {1, 0, 0}), y = transform_direction(mount.T_layout_target, {0, 1, 0});
+  EXPECT_LT(glm::distance(x, y), 1e-12);
+  EXPECT_EQ(Vec3(moved[3]), Vec3(0.01, 0.02, 0.03));
 }
 
 TEST(CalibrateTask, RefusesTooManyFramesAndIdleOptions) {
