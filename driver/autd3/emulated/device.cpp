@@ -71,12 +71,12 @@ void EmulatedDevice::receive(double now_s, std::span<const std::uint8_t> message
     return violate(fmt::format("a message number that is too large: {}", id_));
   }
   const std::span<const std::uint8_t> payload = message.subspan(4);
-  error_ = handle(now_s, payload);
+  error_ = handle(payload);
   const std::size_t second = u16(message, 2);
   if (error_ == no_error && second != 0) {
     if (second % 2 != 0 || second >= payload.size())
       return violate(fmt::format("a second operation at byte {}, which is invalid", second));
-    error_ = handle(now_s, payload.subspan(second));
+    error_ = handle(payload.subspan(second));
   }
   if (error_ != no_error) violate(fmt::format("error {} in answer to tag 0x{:02x}", error_, payload[0]));
 }
@@ -85,7 +85,7 @@ std::array<std::uint8_t, 2> EmulatedDevice::answer() const {
   return {data_, static_cast<std::uint8_t>(error_ << 4 | (id_ & 0x0f))};
 }
 
-std::uint8_t EmulatedDevice::handle(double now_s, std::span<const std::uint8_t> o) {
+std::uint8_t EmulatedDevice::handle(std::span<const std::uint8_t> o) {
   const std::uint8_t tag = o[0];
   const bool harmless = tag <= 0x03;
   if (!harmless && !(cleared_ && synchronised_)) violate(fmt::format("tag 0x{:02x} before clear and sync", tag));

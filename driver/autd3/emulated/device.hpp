@@ -57,7 +57,7 @@ class EmulatedDevice {
   };
 
   void power_up();
-  std::uint8_t handle(double now_s, std::span<const std::uint8_t> operation);
+  std::uint8_t handle(std::span<const std::uint8_t> operation);
   std::uint8_t tell_version(std::uint8_t which);
   std::uint8_t take_modulation(std::span<const std::uint8_t> o);
   std::uint8_t take_silencer(std::span<const std::uint8_t> o);
