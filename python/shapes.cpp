@@ -248,7 +248,7 @@ BadUsage
   m.def(
       "read_ply",
       [](const py::object& file) {
-        const geometry::Ply ply = unlocked([path = file_of("file", file)] { return geometry::read_ply(path); });
+        const geometry::Ply ply = unlocked([path = file_of("read_ply", file)] { return geometry::read_ply(path); });
         py::array_t<double> points({static_cast<py::ssize_t>(ply.positions.size()), py::ssize_t{3}});
         for (std::size_t i = 0; i < ply.positions.size(); ++i) {
           for (int axis = 0; axis < 3; ++axis)
@@ -274,7 +274,7 @@ BadInput
   m.def(
       "write_ply",
       [](const py::object& file, const py::object& points, const py::object& faces) {
-        const std::string path = file_of("file", file);
+        const std::string path = file_of("write_ply", file);
         const std::vector<Vec3> positions = points_of("points", points);
         const std::vector<glm::uvec3> triangles =
             faces.is_none() ? std::vector<glm::uvec3>() : triangles_of("faces", faces, positions.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
@@ -83,14 +84,17 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
       if (*line != times_heading(cameras)) throw fault(fmt::format("expected the heading {}", times_heading(cameras)));
       continue;
     }
-    const std::vector<std::string_view> cells = cells_of(*line, ',');
-    const std::optional<std::uint64_t> sequence = parse_whole<std::uint64_t>(cells[0]);
+    std::optional<std::uint64_t> sequence;
     std::vector<double> row;
-    for (std::size_t column = 1; column < cells.size(); ++column) {
-      const std::optional<double> time = parse_number(cells[column]);
-      if (time && std::abs(*time) <= most_seconds) row.push_back(*time);
+    if (std::ranges::count(*line, ',') == static_cast<std::ptrdiff_t>(cameras)) {
+      const std::vector<std::string_view> cells = cells_of(*line, ',');
+      sequence = parse_whole<std::uint64_t>(cells[0]);
+      for (const std::string_view cell : std::span(cells).subspan(1)) {
+        const std::optional<double> time = parse_number(cell);
+        if (time && std::abs(*time) <= most_seconds) row.push_back(*time);
+      }
     }
-    if (!sequence || cells.size() != cameras + 1 || row.size() != cameras) {
+    if (!sequence || row.size() != cameras) {
       throw fault(
           fmt::format("expected a sequence number and {} in seconds, none beyond 1e12", counted(cameras, "time")));
     }
