@@ -14,9 +14,9 @@ namespace palpa::gpu {
 inline constexpr shader::ScanGroups groups_of_64{64, 0, 0xffffffffu, 1};
 
 struct ScanBindings {
-  BufferRef counts;       ///< in, out: uint32 each, replaced by the sum of the counts before it
-  BufferRef length = {};  ///< in: uint32, see record()
-  BufferRef total;        ///< out: shader::ScanTotal
+  BufferRef counts;   ///< in: uint32 each
+  BufferRef offsets;  ///< out: uint32 each, the sum of the counts before it
+  BufferRef total;    ///< out: shader::ScanTotal
 };
 
 /// Holds only pipelines; the caller owns buffers and command buffer.
@@ -26,17 +26,14 @@ class ScanPass {
 
   /// How many counts there are, and how the dispatch over the sum is divided.
   struct Sizes {
-    std::uint32_t most_counts = 0;
-    std::uint32_t items_per_count = 1;
+    std::uint32_t counts = 0;
     std::uint32_t most_total = 0xffffffffu;
     shader::ScanGroups groups = groups_of_64;
   };
-  /// Works in place on `counts` (at most `most_counts` and at most the buffer's size). With `length`, the number of
-  /// counts is ceil(length[0] / items_per_count), read on the device and bounded by `most_counts`; an empty BufferRef
-  /// means exactly `most_counts`. Writes a ScanTotal to `total`: the sum, clamped to `most_total`, and the three group
-  /// counts of an indirect dispatch that is divided as `groups` says. Barriers: expects counts and length to be visible
-  /// to compute; the caller adds compute_to_compute afterwards.
-  void record(VkCommandBuffer commands, ScanBindings bindings, const Sizes& sizes) const;
+  /// Reads the first `counts` counts and writes as many offsets, in another buffer. Writes a ScanTotal to `total`: the
+  /// sum, clamped to `most_total`, and the three group counts of an indirect dispatch that is divided as `groups` says.
+  /// Barriers: expects counts to be visible to compute; the caller adds compute_to_compute afterwards.
+  void record(VkCommandBuffer commands, const ScanBindings& bindings, const Sizes& sizes) const;
 
  private:
   ComputePipeline pipeline_;

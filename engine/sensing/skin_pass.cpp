@@ -17,7 +17,7 @@ static_assert(tile_pixels % block_pixels == 0, "crops begin and end at whole blo
 
 /// The kernels' buffers by name: those of the caller, and the scratch.
 struct Buffers : SkinBindings {
-  gpu::BufferRef runs = {}, counts = {};
+  gpu::BufferRef runs = {}, counts = {}, offsets = {};
 };
 
 constexpr std::uint32_t group_blocks = shader::skin_group * shader::skin_run_blocks;
@@ -115,6 +115,7 @@ std::vector<gpu::ScratchBuffer> SkinPass::scratch(const RayTables& tables) {
   std::vector<gpu::ScratchBuffer> list(scratch_count);
   list[runs] = {"skin runs", groups * shader::skin_group * sizeof(shader::SkinRun)};
   list[counts] = {"skin counts", groups * sizeof(std::uint32_t)};
+  list[offsets] = {"skin offsets", list[counts].bytes};
   return list;
 }
 
@@ -133,6 +134,7 @@ void SkinPass::record(VkCommandBuffer commands, const SkinBindings& b, const gpu
   if (volumes > 0) buffers.volumes.size = volumes * sizeof(shader::SkinVolume);  // its length in the kernel
   buffers.runs = s[runs];
   buffers.counts = s[counts];
+  buffers.offsets = s[offsets];
   gpu::writes_to_transfer(commands);  // an earlier submit may have counted here
   vkCmdFillBuffer(commands, b.dropped.buffer, b.dropped.offset, b.dropped.size, 0);
   gpu::transfer_to_use(commands);
@@ -147,8 +149,8 @@ void SkinPass::record(VkCommandBuffer commands, const SkinBindings& b, const gpu
   if (times) times->mark(commands, "skin count");
 
   const auto room = static_cast<std::uint32_t>(b.points.size / sizeof(SkinPoint));
-  scan_->record(commands, {.counts = s[counts], .total = b.total}, {groups, 1, room, cut});
-  gpu::compute_to_compute(commands);  // scanned counts, runs -> scatter
+  scan_->record(commands, {.counts = s[counts], .offsets = s[offsets], .total = b.total}, {groups, room, cut});
+  gpu::compute_to_compute(commands);  // offsets, runs -> scatter
   if (times) times->mark(commands, "skin scan");
 
   groups = 0;

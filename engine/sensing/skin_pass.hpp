@@ -63,7 +63,7 @@ class SkinPass {
               gpu::Timestamps* times = nullptr, std::size_t volumes = 0) const;
 
  private:
-  enum ScratchIndex : std::size_t { runs, counts, scratch_count };
+  enum ScratchIndex : std::size_t { runs, counts, offsets, scratch_count };
   struct Kernels {
     std::array<gpu::ComputePipeline, 4> count;  ///< by what they drop
     gpu::ComputePipeline scatter;

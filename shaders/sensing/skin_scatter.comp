@@ -8,7 +8,7 @@ layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = 0) readonly buffer Depth { uvec4 depth[]; };
 layout(std430, set = 0, binding = 1) readonly buffer Rays { vec2 rays[]; };
 layout(std430, set = 0, binding = 2) readonly buffer Runs { SkinRun runs[]; };
-layout(std430, set = 0, binding = 3) readonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 3) readonly buffer Offsets { uint offsets[]; };
 layout(std430, set = 0, binding = 4) writeonly buffer Points { vec4 points[]; };
 layout(push_constant) uniform Push { SkinPush push; };
 
@@ -22,7 +22,7 @@ void main() {
   const Lens lens = read_lens();
   const uint room = points.length();
   const uint width = push.width, first_index = push.first_index;
-  uint slot = counts[group] + run.before;
+  uint slot = offsets[group] + run.before;
   uvec2 pixel = block_pixel(gl_GlobalInvocationID.x * skin_run_blocks);
   uint left = run.survivors;
   for (uint block = 0u; block < skin_run_blocks; ++block) {

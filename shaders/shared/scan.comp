@@ -3,11 +3,11 @@
 #include "shaders/shared/scan.h"
 
 // Exclusive prefix sum over a few thousand counts by a single workgroup: each thread sums a contiguous run, a scan in
-// shared memory adds up the runs' sums, then each thread rewrites its run.
+// shared memory adds up the runs' sums, then each thread writes the offsets of its run.
 layout(local_size_x = 256) in;
 
-layout(std430, set = 0, binding = 0) buffer Counts { uint counts[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Length { uint items; };
+layout(std430, set = 0, binding = 0) readonly buffer Counts { uint counts[]; };
+layout(std430, set = 0, binding = 1) writeonly buffer Offsets { uint offsets[]; };
 layout(std430, set = 0, binding = 2) writeonly buffer Total { ScanTotal result; };
 layout(push_constant) uniform Push { ScanPush push; };
 
@@ -16,22 +16,17 @@ const uint sum_threads = scan_group, sum_row = 16u;
 
 void main() {
   const uint thread = gl_LocalInvocationIndex;
-  uint count = push.most_counts;
-  if (push.items_per_count != 0u) {
-    count = min(count, (items + push.items_per_count - 1u) / push.items_per_count);
-  }
-  const uint run = (count + scan_group - 1u) / scan_group;
-  const uint first = min(thread * run, count);
-  const uint last = min(first + run, count);
+  const uint run = (push.counts + scan_group - 1u) / scan_group;
+  const uint first = min(thread * run, push.counts);
+  const uint last = min(first + run, push.counts);
 
   uint sum = 0u;
   for (uint i = first; i < last; ++i) sum += counts[i];
   const uint before = sum_before(sum);
   uint offset = before;
   for (uint i = first; i < last; ++i) {
-    const uint here = counts[i];
-    counts[i] = offset;
-    offset += here;
+    offsets[i] = offset;
+    offset += counts[i];
   }
   if (thread == scan_group - 1u) {
     const uint total = min(before + sum, push.most_total);

@@ -24,10 +24,10 @@ PALPA_FN uint scan_groups_of(uint items, ScanGroups cut) {
 }
 
 struct ScanPush {
-  uint most_counts;
-  uint items_per_count;  // 0: exactly most_counts counts
+  uint counts;
   uint most_total;
   uint unused0;
+  uint unused1;
   ScanGroups groups;
 };
 PALPA_CHECK_SIZE(ScanPush, 32);

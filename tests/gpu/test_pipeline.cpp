@@ -57,7 +57,7 @@ TEST(ComputePipeline, RefusesTheBuffersOfAnotherKernelAndMissingOnes) {
   KernelBuffers buffers = spirv::scan_buffers(ScanBindings{ref, ref, ref});
   EXPECT_EQ(dispatch(buffers), "");
   EXPECT_EQ(dispatch(spirv::scan_buffers(ScanBindings{ref, {}, ref})),
-            "pipeline 'scan' was given no buffer as 'length'");
+            "pipeline 'scan' was given no buffer as 'offsets'");
   const Kernel other{"other", spirv::scan_comp.words, spirv::scan_comp.bindings};
   buffers.kernel = &other;
   EXPECT_EQ(dispatch(buffers), "pipeline 'scan' was given the buffers of kernel 'other': its own is 'scan'");
@@ -82,7 +82,7 @@ TEST(ComputePipeline, IsMadeOnceOnADeviceThatKeepsPipelines) {
 
 // In any order in a pass's struct: each buffer gets the number of the shader's binding with that name.
 TEST(Kernel, BindsBuffersByTheNamesThatTheShaderGivesThem) {
-  const struct { BufferRef total, counts, more, length; } from{{.size = 1}, {.size = 2}, {.size = 3}, {.size = 4}};
+  const struct { BufferRef total, counts, more, offsets; } from{{.size = 1}, {.size = 2}, {.size = 3}, {.size = 4}};
   const KernelBuffers buffers = spirv::scan_buffers(from);
   EXPECT_EQ(buffers.kernel, &spirv::scan_comp);
   const test::SpirvModule module = test::read_spirv(spirv::scan_comp.words);
@@ -98,11 +98,11 @@ TEST(Kernel, ATableThatIsNotTheModulesIsNoticed) {
   const auto read = [](const std::vector<KernelBinding>& bindings) {
     test::read_spirv(Kernel{"scan", spirv::scan_comp.words, bindings});
   };
-  EXPECT_NO_THROW(read({{"counts"}, {"length"}, {"total"}}));
-  EXPECT_THROW(read({{"length"}, {"counts"}, {"total"}}), std::runtime_error);
-  EXPECT_THROW(read({{"counts"}, {"length"}, {"total", true}}), std::runtime_error);
-  EXPECT_THROW(read({{"counts"}, {"length"}}), std::runtime_error);
-  EXPECT_THROW(read({{"counts"}, {"length"}, {"total"}, {"more"}}), std::runtime_error);
+  EXPECT_NO_THROW(read({{"counts"}, {"offsets"}, {"total"}}));
+  EXPECT_THROW(read({{"offsets"}, {"counts"}, {"total"}}), std::runtime_error);
+  EXPECT_THROW(read({{"counts"}, {"offsets"}, {"total", true}}), std::runtime_error);
+  EXPECT_THROW(read({{"counts"}, {"offsets"}}), std::runtime_error);
+  EXPECT_THROW(read({{"counts"}, {"offsets"}, {"total"}, {"more"}}), std::runtime_error);
 }
 
 TEST(ComputePipeline, CannotBeDispatchedBeforeItIsMade) {

@@ -56,14 +56,14 @@ Vec3 area_vector(const Mesh& mesh, std::uint32_t triangle);
 
 /// The triangle's normal of length 1; zero if it has no area.
 Vec3 unit_normal(const Mesh& mesh, std::uint32_t triangle);
-/// Those of all triangles.
+/// The unit normals of all triangles.
 std::vector<Vec3> unit_normals(const Mesh& mesh);
 
 /// Metres.
 double longest_side(const Mesh& mesh, std::uint32_t triangle);
 /// The triangle's height over its longest side, metres.
 double triangle_width(const Mesh& mesh, std::uint32_t triangle);
-/// The same, given twice its area.
+/// The triangle's height over its longest side, metres, from twice its area.
 double triangle_width(const Mesh& mesh, std::uint32_t triangle, double twice_area);
 
 /// Groups of indices that are merged step by step; the smallest index represents its group.

@@ -76,8 +76,7 @@ const std::vector<EarLimit>& ear_limits();
 /// that it is not is impossible. Empty if neither.
 std::string needs_approval(const StudyPlan& plan, const EarLevel& level);
 
-/// Throws bad_usage for a signature (as below) without effect: the level needs no approval. Warns of a doubtful
-/// reading.
+/// Throws bad_usage if somebody has signed a level that needs no approval. Warns of a doubtful reading.
 void check_signature(const StudyPlan& plan, const EarLevel& level, const std::string& signature);
 
 /// Throws bad_usage if it needs an approval, unless somebody has signed it: `signature` is a text such as the number of
