@@ -95,6 +95,7 @@ class SittingBench {
         if (const auto press = script_->next(plan_, *conductor_))
           press->experimenter ? conductor_->experimenter(press->event, std::nullopt)
                               : conductor_->participant(press->event, std::nullopt);
+        if (condition()) return true;  // a short touch may be over after one advance() of a busy machine
       }
       conductor_->advance();
       return false;
