@@ -26,12 +26,10 @@ PALPA_FN uint scan_groups_of(uint items, ScanGroups cut) {
 struct ScanPush {
   uint counts;
   uint most_total;
-  uint unused0;
-  uint unused1;
   ScanGroups groups;
 };
-PALPA_CHECK_SIZE(ScanPush, 32);
-PALPA_CHECK_OFFSET(ScanPush, groups, 16);
+PALPA_CHECK_SIZE(ScanPush, 24);
+PALPA_CHECK_OFFSET(ScanPush, groups, 8);
 
 // The sum, then the arguments of an indirect dispatch over that many items.
 struct ScanTotal {

@@ -6,8 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 out=build/coverage
 find "$out" -name '*.gcda' -delete
-# Also the topics of the label live. A test that fails has run its lines all the same; of a program that is killed, nothing
-# is counted (the guard).
+# A test that fails has run its lines all the same. Lines of a program that is killed, such as the guard, are not counted.
 tests/house/suite.sh coverage "$@" >"$out/tests.log" 2>&1 || echo "coverage: some tests fail, see $out/tests.log"
 gcovr --root . --object-directory "$out" -j "$(nproc)" --exclude-unreachable-branches --exclude-throw-branches \
   --filter 'engine/' --filter 'driver/' --filter 'viewer/' --filter 'python/' \

@@ -12,8 +12,8 @@ export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 #   sync          violations of Vulkan's rules, which core validation alone would show, too, and missing barriers;
 #                 subgroups of 4 lanes; separate host and device memory, with copies between them, as on a discrete GPU,
 #                 and read before they are written
-#                 The layer of Debian 12 misses a barrier between two writes of storage, and takes a kernel that works in
-#                 place as one that writes. It also misses one before a read as texels.
+#                 Not seen with Debian 12's layer: a missing barrier before a kernel that reads and writes one buffer, or
+#                 that reads texels.
 #   gpu-assisted  accesses outside of a buffer; violations of Vulkan's rules with shared memory
 #   corpus        meshes of every size, and more samples of other legs' tests (tests/support/exhaustive.hpp)
 #   asan          errors in the host's memory and undefined behaviour, in all tests
