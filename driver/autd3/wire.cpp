@@ -5,6 +5,9 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
+#include <vector>
+
+#include "array/layouts/board_types.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -72,13 +75,25 @@ void put_transition(Writer& out, Tag change, std::uint8_t segment) {
   out.zeros(13);
 }
 
+const array::AmplitudeSteps& amplitudes = *array::find_board_type("autd3")->amplitudes();
+
+/// The least intensity with the amplitude of each step.
+const std::vector<std::uint8_t> intensities = [] {
+  std::vector<std::uint8_t> least;
+  for (int intensity = 0; intensity <= 255; ++intensity) {
+    const double width = std::round(512 / std::numbers::pi * std::asin(intensity / 255.0));
+    const auto level = static_cast<float>(std::sin(width * std::numbers::pi / 512));
+    if (amplitudes.below(level) == least.size()) least.push_back(static_cast<std::uint8_t>(intensity));
+  }
+  return least;
+}();
+
 }  // namespace
 
 Emission emission(array::TransducerDrive drive) {
   const double turns = drive.phase / (2 * std::numbers::pi);
   const int phase = static_cast<int>(std::floor(256 * (turns - std::floor(turns)) + 0.5)) % 256;
-  const long intensity = std::lround(255 * std::clamp(drive.amplitude, 0.0f, 1.0f));
-  return {static_cast<std::uint8_t>(phase), static_cast<std::uint8_t>(intensity)};
+  return {static_cast<std::uint8_t>(phase), intensities[amplitudes.below(drive.amplitude)]};
 }
 
 void put_nop(Message message) {

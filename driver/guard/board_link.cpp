@@ -59,6 +59,7 @@ class BoardLink final : public session::Link {
     send(slot, drive, planned_.cycle.is_listed() && slot >= planned_.from && slot < planned_.until);
   }
   bool plays_plans() const override { return plays_plans_; }
+  const array::Layout* boards() const override { return &brief_.board.layout; }
 
   void finish() override {
     if (!guard_) return;

@@ -168,12 +168,7 @@ void OpenMpdBoard::play(std::uint64_t, std::span<const array::TransducerDrive> d
   if (steps_ > 1) std::copy(drive.begin(), drive.end(), newest_.begin());
   waits_ = true;
   const auto off = [](const Frame& frame) { return frame == all_off_frame; };
-  if (std::all_of(next_.begin(), next_.end(), off)) {
-    // Silence that the boards cannot take is not what was asked for.
-    const bool taken = std::all_of(wires_.begin(), wires_.end(), [](const auto& wire) { return wire->takes(); });
-    faint_ += taken && session::sounds(drive) ? 1 : 0;
-    begin_silence();
-  }
+  if (std::all_of(next_.begin(), next_.end(), off)) begin_silence();
   tend_wires();
   send_next();
 }
@@ -262,7 +257,7 @@ BoardCounts OpenMpdBoard::counts() const {
     std::uint64_t fewest = (*wires_.front().*count)();
     for (const auto& wire : wires_)
       fewest = std::min(fewest, (*wire.*count)());
-    return fewest + faint_;
+    return fewest;
   };
   return {.submitted = {.drives = least(&Connection::submitted)},
           .completed = {.drives = least(&Connection::completed)},

@@ -82,7 +82,6 @@ class OpenMpdBoard final : public Board {
   std::size_t asker_ = 0;               ///< the wire whose turn it is to ask its device
   bool silent_ = true;                  ///< what was sent last is the all-off frame
   double sent_s_ = 0;
-  std::uint64_t faint_ = 0;  ///< drives that are weaker than a board's first step, so it is silent for them
   bool troubled_ = false;
   double troubled_s_ = 0;
 };

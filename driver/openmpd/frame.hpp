@@ -3,7 +3,7 @@
 // The board has each transducer on during counts [phase, phase + width) of the 128 of a period, 25 us. A pulse of that
 // width has the amplitude sin(pi width / 128), where 64 is full, and the delay of its middle:
 //
-//   width = trunc(64 (2 / pi) asin(amplitude * factor))
+//   width = the number of the highest step that is not above amplitude * factor (array/layouts/board_types.hpp)
 //   phase = floor(128 (phase / 2 pi - offset / 360) + (64 - width) / 2 + 1/2) mod 128
 //
 // Offset and factor are the transducer's own (board_file.hpp). A transducer that is off has phase 0, so an all-zero
@@ -38,9 +38,6 @@ inline constexpr Frame all_off_frame = [] {
 
 /// Makes the board take a frame every `divider` periods of 25 us, 1 to 255.
 Frame with_divider(Frame frame, std::uint8_t divider);
-
-/// The pulse width of an amplitude. NaN or negative counts as 0, and more than 1 as 1.
-std::uint8_t width_of(float amplitude);
 
 /// Encodes for one board.
 class Encoder {

@@ -25,6 +25,8 @@ namespace palpa::driver::sonicsurface {
 namespace {
 
 constexpr double retry_s = 1, close_patience_s = 0.5;
+/// A line that is this much slower than its speed takes nothing any more.
+constexpr double late_s = 30e-3;
 
 struct Port {
   std::string path;
@@ -88,7 +90,8 @@ class SonicSurface final : public Board {
       sounding_ = true;
       tally_.allow(start_drives());
       pump();
-      return tally_.play();
+      if (!stuck()) tally_.play();
+      return;
     } else {
       encoder_.encode(drive, newest_);
       sounding_ = drive_waits_ = true;
@@ -199,7 +202,7 @@ class SonicSurface final : public Board {
         if (line_.gone()) return lose(now_s);
         if (sent_ < out_.size()) return;
       }
-      if (now_s >= line_free_s_) has_arrived();
+      if (now_s >= line_free_s_ && line_.drained()) has_arrived();
       if (!sounding_) return;
       if (now_s < line_free_s_) return wake_at(line_free_s_);
       if (!next(now_s)) return;
@@ -253,7 +256,13 @@ class SonicSurface final : public Board {
     silent_ = all_silent_ = false;
   }
 
-  /// Called when the loaded data has left, according to the line's speed.
+  /// Whether bytes that should have left are still in this computer. More than that a serial port cannot know: its board
+  /// never answers.
+  bool stuck() const {
+    return monotonic_s() > line_free_s_ + late_s && (sent_ < out_.size() || !line_.drained());
+  }
+
+  /// Called when the loaded data has left, according to the line's speed and to the kernel.
   void has_arrived() {
     const Load what = std::exchange(on_its_way_, Load::none);
     if (what == Load::plan) tally_.there();

@@ -9,15 +9,8 @@
 namespace palpa::driver::sonicsurface {
 
 Encoder::Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees)
-    : boards_(boards), firmware_(firmware), degrees_(std::move(degrees)), places_(boards * transducers) {
-  degrees_.resize(places_.size());
-  // A lattice in the plane: whatever share of the transducers is on, they are evenly spread.
-  constexpr double along_row = 0.7548776662466927, along_column = 0.5698402909980532;
-  for (std::size_t t = 0; t < places_.size(); ++t) {
-    const std::size_t row = t % transducers / 16, column = t % 16;
-    const double place = along_row * static_cast<double>(column) + along_column * static_cast<double>(row);
-    places_[t] = static_cast<float>(place - std::floor(place));
-  }
+    : boards_(boards), firmware_(firmware), degrees_(std::move(degrees)) {
+  degrees_.resize(boards * transducers);
 }
 
 std::uint8_t Encoder::phase_of(std::size_t transducer, float phase) const {
@@ -41,13 +34,7 @@ void Encoder::write(std::span<std::uint8_t> frame, const Phase& phase) const {
 }
 
 void Encoder::encode(std::span<const array::TransducerDrive> drive, std::span<std::uint8_t> frame) const {
-  float loudest = 0;
-  for (const array::TransducerDrive& t : drive)
-    loudest = std::max(loudest, t.amplitude);
-  write(frame, [&](std::size_t t) {
-    const bool heard = drive[t].amplitude > 0 && places_[t] < loudest;
-    return heard ? phase_of(t, drive[t].phase) : off;
-  });
+  write(frame, [&](std::size_t t) { return drive[t].amplitude > 0 ? phase_of(t, drive[t].phase) : off; });
 }
 
 /// Adds all off for both buffers of the boards, which are selected one after the other.

@@ -43,10 +43,8 @@ constexpr std::size_t frame_size(std::size_t boards) {
   return boards == 1 ? 1 + transducers + 1 : boards * (2 + transducers) + 1;
 }
 
-/// Converts drives to frames: which transducers sound, and when. The boards take no amplitudes, so a drive is played as
-/// if all its sounding transducers had the same amplitude. Those whose amplitude is 0 are off. If the drive's largest
-/// amplitude is less than 1 (because of a ceiling, a ramp or a modulation), some of the others are off, too, evenly
-/// spread, so that the share that sounds is that amplitude.
+/// Converts drives to frames: which transducers sound, and when. The boards take no amplitudes: a transducer is off if
+/// its amplitude is 0. Links get drives in this form (array/played.hpp).
 class Encoder {
  public:
   /// `degrees` says how late each transducer of all boards sounds. Empty: none is late.
@@ -71,7 +69,6 @@ class Encoder {
   std::size_t boards_;
   Firmware firmware_;
   std::vector<float> degrees_;
-  std::vector<float> places_;  ///< 0..1, evenly spread: a transducer is heard if its amplitude is more
 };
 
 }  // namespace palpa::driver::sonicsurface

@@ -39,6 +39,7 @@
 #include "array/slot_pressures.hpp"
 #include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/gs_pat.hpp"
+#include "array/transducer_drive.hpp"
 #include "array/transfer.hpp"
 #include "base/math.hpp"
 
@@ -72,13 +73,6 @@ struct SlotFocus {
   /// Peak pressure that it must never exceed: its finger's request at the crest of the modulation. nullopt: no request.
   std::optional<double> most_pa{};
 };
-
-/// Amplitude 0..1 and phase in (-pi, pi] of one transducer, e^{-iwt}: the phase is the delay, -k d for a single focus.
-struct TransducerDrive {
-  float amplitude;
-  float phase;
-};
-using Drive = std::vector<TransducerDrive>;  ///< in layout order
 
 struct DriveOptions {
   Weighting weighting = Weighting::distance;

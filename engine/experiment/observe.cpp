@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "acoustics/felt/skin.hpp"
+#include "acoustics/field/pressure.hpp"
+#include "array/played.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"
 #include "experiment/level.hpp"
@@ -93,9 +95,22 @@ struct Loaded {
   }
 };
 
+/// The pressure at a focus in the middle of the objects' top at that ceiling, with the amplitudes that the array's
+/// boards have, relative to that of the ideal drive at full amplitude.
+double played_part(const array::Layout& layout, double ceiling) {
+  const array::SlotFocus focus{};
+  array::Drive drive = array::drive_for(layout, {&focus, 1});
+  const double full_pa = std::abs(acoustics::pressure_at(layout, drive, focus.position));
+  for (array::TransducerDrive& transducer : drive)
+    transducer.amplitude *= static_cast<float>(ceiling);
+  array::BoardPlay(layout).round(drive, ceiling, array::Round::nearest);
+  return std::abs(acoustics::pressure_at(layout, drive, focus.position)) / full_pa;
+}
+
 /// Quiet sound is as linear acoustics says. Loud sound is no stronger than at the calibrated level.
-double crest_force_n(const study::StudyPlan& plan, const Calibration& calibration) {
-  return std::min(plan.level.ceiling * plan.level.ceiling * calibration.linear_crest_n, plan.observer.crest_n);
+double crest_force_n(const study::StudyPlan& plan, const array::Layout& layout, const Calibration& calibration) {
+  const double part = played_part(layout, plan.level.ceiling);
+  return std::min(part * part * calibration.linear_crest_n, plan.observer.crest_n);
 }
 
 /// Touches of one method that are to be computed, and where they go.
@@ -145,12 +160,13 @@ void touch_shape(ObservedFinger& finger, const TouchedScene& shape, const TouchL
 
 double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger) {
   const array::Layout layout = setup::load_posed_layout(plan.methods[plan.fit.method].layout);
-  return crest_force_n(plan, kept_level(finger, layout));
+  return crest_force_n(plan, layout, kept_level(finger, layout));
 }
 
 observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   const Loaded loaded(plan);
-  const Calibration calibration = kept_level(finger, *loaded.methods[plan.fit.method].layout);
+  const array::Layout& fitted = *loaded.methods[plan.fit.method].layout;
+  const Calibration calibration = kept_level(finger, fitted);
   observer::Responses out;
   out.depths_m = plan.observer.depths_m;
   out.placements = plan.observer.placements;
@@ -169,7 +185,7 @@ observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger
   add_crest(plan.observer.crest_n);
   for (const double newton : plan.observer.other_crests_n)
     add_crest(newton);
-  const double of_plan = crest_force_n(plan, calibration);
+  const double of_plan = crest_force_n(plan, fitted, calibration);
   add_level(fmt::format("plan ({:.2g} mN)", of_plan * 1e3), calibration.factor(of_plan));
   out.levels.back().plan_ceiling = plan.level.ceiling;
   add_level("linear", 1);

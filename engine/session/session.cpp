@@ -11,6 +11,7 @@
 #include "session/loop/live_fingers.hpp"
 #include "session/loop/loop.hpp"
 #include "session/plan/tuning_thread.hpp"
+#include "session/watch/played_parts.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
@@ -113,13 +114,22 @@ class Session::Observer final : public RunObserver {
     if (tracker_) tell(tracker_->end());
   }
 
+  /// Drives are played by these boards. Null: by no boards.
+  void play_on(const SessionSetting& setting, const array::Layout* boards) {
+    if (boards) played_.emplace(*boards, setting.drive, setting.safety);
+  }
+
   void arrived(std::uint64_t sequence) override { caller_.arrived(sequence); }
   void started(const SkinFrame& frame) override {
     if (fingers_) fingers_->saw(frame.images, frame.sequence);
     caller_.started(frame);
   }
   void planned(const FrameReport& report, const Plan& plan) override {
-    log_->planned(plan.schedule);
+    if (played_ && array::Loudness::asked(plan.schedule)) {
+      log_->planned(plan.schedule, &played_->correct(plan));
+    } else {
+      log_->planned(plan.schedule);
+    }
     if (fingers_) fingers_->planned(report, plan.schedule);
     caller_.planned(report, plan);
     if (tracker_) tell(tracker_->update(*report.touch, report.time_s));
@@ -142,6 +152,7 @@ class Session::Observer final : public RunObserver {
   }
 
   std::span<const std::string> solids_;
+  std::optional<PlayedParts> played_;
   std::optional<PressureLog> log_;  ///< of this scene
   std::vector<FingerPressure> pressures_;
   std::vector<std::string> names_;
@@ -259,6 +270,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
   }
   check_run(s.setting, options.events != nullptr, "runs");
   Observer observer(options);
+  observer.play_on(s.setting, link.boards());
   RunOptions loop = options;
   loop.observer = &observer;
   LoopStats stats;

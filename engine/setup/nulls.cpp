@@ -13,6 +13,7 @@
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/free_field.hpp"
+#include "array/layouts/board_types.hpp"
 #include "array/plausible.hpp"
 #include "array/split_rows.hpp"
 #include "base/error.hpp"
@@ -174,24 +175,22 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
 
 std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
                             double gain) {
-  const std::string name = session::parse_spec(link).name;
-  const auto board = std::ranges::find(layout.boards, name, &array::Board::type);
-  if (board == layout.boards.end()) return {};
+  const array::BoardType* const type = array::find_board_type(session::parse_spec(link).name);
+  if (type == nullptr || std::ranges::find(layout.boards, type->name, &array::Board::type) == layout.boards.end())
+    return {};
   const bool uniform = constraint == array::Constraint::uniform;
-  if (!board->has_amplitudes() && (!uniform || gain < 1)) {
+  if (!type->has_amplitudes() && (!uniform || gain < 1)) {
     return fmt::format(
         "--null: the boards of --link {} have no amplitudes, and a ceiling or an intensity below 1 turns transducers "
         "off: nulls are only 10 to 30 dB below the foci; at full amplitude with --constraint uniform, they are about "
         "50 dB below",
-        name);
+        type->name);
   }
-  constexpr double least_gain = 0.25;  // of the 64 pulse widths, to about 10
-  if (name == "openmpd" && !uniform && gain < least_gain) {
+  if (!uniform && gain < type->few_amplitudes) {
     return fmt::format(
         "--null: below {:g} of the full amplitude, the boards of --link {} have few amplitudes: nulls are only 20 to "
-        "40 "
-        "dB below the foci; with --constraint uniform, they are about 50 dB below",
-        gain, name);
+        "40 dB below the foci; with --constraint uniform, they are about 50 dB below",
+        type->few_amplitudes, type->name);
   }
   return {};
 }

@@ -57,12 +57,20 @@ bool may_ask_pressure(const std::string& model) {
 
 }  // namespace
 
-std::vector<Box> try_files(const study::StudyPlan& plan) {
+double least_intensity(const geometry::Scene& scene) {
+  double least = 1;
+  for (const geometry::SceneMesh& mesh : scene.meshes)
+    least = std::min(least, mesh.haptics.intensity.value_or(1));
+  return least;
+}
+
+std::vector<Box> try_files(study::StudyPlan& plan) {
   std::vector<Box> boxes;
-  for (const study::PlanShape& shape : plan.shapes) {
+  for (study::PlanShape& shape : plan.shapes) {
     const Activity work("reading " + shape.model);
     const geometry::Scene scene = geometry::load_gltf(shape.model);
     (void)solids_of(scene);
+    shape.intensity = least_intensity(scene);
     boxes.push_back(geometry::box_of(scene));
   }
   if (plan.run.masking != "white" && plan.run.masking != "off") check_wav(plan.run.masking);

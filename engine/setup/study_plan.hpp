@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/math.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "study/plan/plan.hpp"
 
 namespace palpa::setup {
@@ -14,8 +15,12 @@ namespace palpa::setup {
 /// study::read_plan and study::refuse_missing_files do.
 study::StudyPlan load_plan(const std::string& file);
 
-/// Reads the models and the masking sound of a plan, as a sitting will. Returns the box around each shape's model
-/// (geometry::box_of). Throws bad_input for a model that is no scene with a solid, and for a sound that is no WAV file.
-std::vector<Box> try_files(const study::StudyPlan& plan);
+/// The least intensity of the scene's objects.
+double least_intensity(const geometry::Scene& scene);
+
+/// Reads the models and the masking sound of a plan, as a sitting will. Fills the shapes' intensities. Returns the box
+/// around each shape's model (geometry::box_of). Throws bad_input for a model that is no scene with a solid, and for a
+/// sound that is no WAV file.
+std::vector<Box> try_files(study::StudyPlan& plan);
 
 }  // namespace palpa::setup

@@ -1,6 +1,9 @@
 #include "setup/target_mount.hpp"
 
 #include <glm/ext/matrix_transform.hpp>
+#include <string_view>
+
+#include "array/layouts/board_types.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -8,10 +11,13 @@ namespace {
 /// On a board with an even number of transducers along both sides, there is a gap between four transducers at every
 /// whole number of pitches from the middle. The fifth is outside the stump.
 constexpr double gaps = 5;
-constexpr double autd3_pitch_m = 10.16e-3, square_pitch_m = 10.5e-3;
+
+double pitch_of(std::string_view type) {
+  return array::find_board_type(type)->pitch_m;
+}
 
 sensing::TargetHoles holes_over(const array::Board& board) {
-  const double at = gaps * (board.type == "autd3" ? autd3_pitch_m : square_pitch_m);
+  const double at = gaps * pitch_of(board.type);
   return {at, at};
 }
 
@@ -20,7 +26,8 @@ TargetMount under_the_tunnels_ceiling() {
   TargetMount mount;
   mount.T_layout_target = Transform(Vec4(1, 0, 0, 0), Vec4(0, 0, 1, 0), Vec4(0, -1, 0, 0), Vec4(0, 0.2, 0, 1));
   // The gaps nearest to the stump: 4 pitches from a unit's middle around the tunnel, 2 along it.
-  mount.holes = {0.096 - 4 * autd3_pitch_m, 0.0757 - 2 * autd3_pitch_m};
+  const double pitch_m = pitch_of("autd3");
+  mount.holes = {0.096 - 4 * pitch_m, 0.0757 - 2 * pitch_m};
   return mount;
 }
 

@@ -5,9 +5,11 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "base/log.hpp"
 #include "fakes.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/plan.hpp"
@@ -53,6 +55,79 @@ TEST(SafeLink, PassesEverythingOnAsItIsAndCopiesNothing) {
   EXPECT_EQ(p.spy.sent, (std::vector<const void*>{p.loud.data(), p.silent.data()}));
   EXPECT_EQ(p.spy.slots, (std::vector<std::uint64_t>{4, 9}));
   EXPECT_FALSE(safe.must_fade());
+}
+
+/// A link that an OpenMPD board plays, and the drives that it got.
+struct BoardSpy : Link {
+  array::Layout layout = array::load_layout("openmpd");
+  array::Drive planned;
+  std::vector<array::Drive> drives;
+  void plan(const PlayedPlan& plan) override { planned.assign(plan.drives.begin(), plan.drives.end()); }
+  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+    drives.emplace_back(drive.begin(), drive.end());
+  }
+  const array::Layout* boards() const override { return &layout; }
+};
+
+/// A plan of one drive with all transducers at this amplitude.
+Plan plan_of(const array::Layout& layout, float amplitude, double pressure_pa = 0) {
+  Plan plan;
+  plan.schedule = test::touching(Vec3(0, 0.15, 0));
+  plan.schedule.voices[0].pressure_pa = pressure_pa;
+  plan.cycle = {Plays::pattern, 1};
+  plan.drives.assign(layout.transducers.size(), {amplitude, 0.0f});
+  return plan;
+}
+
+TEST(SafeLink, ABoardGetsTheAmplitudesThatItHasAndOnlyWhatSoundsIsCounted) {
+  const float least = std::sin(std::numbers::pi_v<float> / 128);
+  for (const double ramp_s : {0.0, slot_s}) {
+    log::Tail log;
+    std::vector<bool> sounded;
+    BoardSpy spy;
+    std::atomic<double> ceiling{0.03};
+    SafeLink safe(spy, 256, {.ramp_s = ramp_s, .ceiling_now = &ceiling}, slot_s,
+                  [&](bool sounds, const HandOver&) { sounded.push_back(sounds); });
+    const Plan plan = plan_of(spy.layout, 1);
+    const auto play = [&](double now, std::uint64_t slot) {
+      ceiling = now;
+      safe.plan(played(plan, 256, slot, slot + 60));
+      safe.send_planned(slot, plan.drives);
+    };
+    play(0.03, 0);
+    EXPECT_EQ(spy.planned[9].amplitude, least);
+    EXPECT_EQ(spy.drives.back()[9].amplitude, least);
+    EXPECT_TRUE(log.take().empty());
+    play(0.02, 1);
+    EXPECT_EQ(spy.planned[9].amplitude, 0);
+    EXPECT_EQ(spy.drives.back()[9].amplitude, 0);
+    const std::vector<log::Line> lines = log.take();
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_CONTAINS(
+        lines[0].text,
+        "the array is silent: the loudest amplitude is 0.02, and the least that OpenMPD boards play is 0.0245");
+    play(0.02, 2);
+    play(0, 3);
+    EXPECT_TRUE(log.take().empty()) << "once, and not of a ceiling of zero";
+    play(0.3, 4);
+    play(0.01, 5);
+    EXPECT_EQ(log.take().size(), 1u);
+    EXPECT_EQ(sounded, (std::vector<bool>{true, false, false, false, true, false}));
+    EXPECT_EQ(safe.handed_over().loop.drives, 2u);
+  }
+}
+
+TEST(SafeLink, RoundsDownIfAFingerRequestsAPressure) {
+  for (const double asked_pa : {0.0, 500.0}) {
+    BoardSpy spy;
+    SafeLink safe(spy, 256);
+    Plan plan = plan_of(spy.layout, 0.5f, asked_pa);
+    plan.drives[3].amplitude = 0.115f;  // between steps of 0.0980 and 0.1224
+    safe.plan(played(plan, 256, 0, 60));
+    safe.send_planned(0, plan.drives);
+    for (const array::Drive& drive : {spy.planned, spy.drives.back()})
+      EXPECT_NEAR(drive[3].amplitude, asked_pa > 0 ? 0.0980 : 0.1224, 1e-4) << asked_pa;
+  }
 }
 
 TEST(SafeLink, AllButACeilingOfZeroLeavesAPlannedDrivePlanned) {

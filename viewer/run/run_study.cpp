@@ -52,14 +52,16 @@ study::StudyPlan plan_to_run(const setup::StudyRunOptions& options, const LiveSe
   return plan;
 }
 
-study::EarLevel level_of(const study::StudyPlan& plan, const StudyShapes& shapes,
-                         const setup::StudyRunOptions& options) {
+study::EarLevel level_of(study::StudyPlan plan, const StudyShapes& shapes, const setup::StudyRunOptions& options) {
   std::vector<Box> objects;
-  for (const StudyShape& shape : shapes.shapes)
-    objects.push_back(shape.box);
+  for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
+    objects.push_back(shapes.shapes[i].box);
+    plan.shapes[i].intensity = shapes.shapes[i].intensity;
+  }
   std::optional<array::Layout> placed;
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;
+  study::refuse_silent(plan, placed ? &*placed : nullptr);
   study::EarLevel level = study::predict_ear_level(plan, objects, placed ? &*placed : nullptr);
   study::check_signature(plan, level, options.override_by);
   study::refuse_loud(plan, level, options.override_by);

@@ -137,6 +137,7 @@ class GateLink final : public session::Link {
     send(slot, drive, true);
   }
   bool plays_plans() const override { return link_->plays_plans(); }
+  const array::Layout* boards() const override { return link_->boards(); }
   void finish() override;
   std::optional<session::Carried> carried() const override;
 

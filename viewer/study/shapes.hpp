@@ -18,7 +18,8 @@ namespace palpa::viewer {
 /// One shape of the plan.
 struct StudyShape {
   std::string model_sha256;
-  Box box;  ///< around its meshes, metres, world
+  Box box;               ///< around its meshes, metres, world
+  double intensity = 1;  ///< the least of its objects
 };
 
 struct StudyShapes {

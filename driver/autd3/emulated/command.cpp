@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <span>
@@ -23,14 +24,15 @@ array::Layout layout_of(const std::string& name) {
   return layout;
 }
 
-/// A device's pulse is centred, and so wide that its first harmonic is the intensity.
+/// A device's pulse is centred, and as wide as its table has it for the intensity.
 array::Drive heard_drive(const EmulatedServer& server, double now_s) {
   array::Drive drive;
   for (const EmulatedDevice& device : server.devices()) {
     for (const EmulatedDevice::Output& one : device.output(now_s)) {
       const double turns = one.phase / 256.0;
       const double phase = 2 * std::numbers::pi * (turns > 0.5 ? turns - 1 : turns);
-      drive.push_back({static_cast<float>(one.intensity) / 255.0f, static_cast<float>(phase)});
+      const double counts = std::round(std::asin(one.intensity / 255.0) * 512 / std::numbers::pi);
+      drive.push_back({static_cast<float>(std::sin(std::numbers::pi * counts / 512)), static_cast<float>(phase)});
     }
   }
   return drive;

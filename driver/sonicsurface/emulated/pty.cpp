@@ -7,6 +7,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -20,6 +21,9 @@ namespace palpa::driver::sonicsurface {
 namespace {
 
 constexpr int look_ms = 20;
+/// A serial port delivers its bytes one by one, at the boards' speed. So few are read that their time is short.
+constexpr std::size_t most_at_once = 64;
+constexpr double byte_s = 10 / 227556.0;
 
 double baud_of(int terminal) {
   constexpr double unknown = 0;
@@ -53,7 +57,8 @@ Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
 
 void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
                 const std::function<void(std::span<const std::uint8_t>)>& heard) const {
-  std::array<std::uint8_t, 4096> bytes{};
+  std::array<std::uint8_t, most_at_once> bytes{};
+  double taken_s = 0;     // when the last bytes were there
   bool listened = false;  // after the line was closed, the next program's speed may be different
   while (!stop) {
     pollfd one{master_.get(), POLLIN, 0};
@@ -65,6 +70,8 @@ void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mute
       continue;
     }
     const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));
+    taken_s = std::max(taken_s, monotonic_s()) + static_cast<double>(size) * byte_s;
+    std::this_thread::sleep_for(std::chrono::duration<double>(taken_s - monotonic_s()));
     if (heard) heard(came);
     const std::lock_guard held(lock);
     if (!std::exchange(listened, true)) boards.set_baud(monotonic_s(), baud_of(master_.get()));

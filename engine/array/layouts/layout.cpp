@@ -20,7 +20,7 @@
 namespace palpa::array {
 
 std::vector<std::string> layout_names() {
-  return {"autd3", "paper", "openmpd", "openmpd-pair", "sonicsurface"};
+  return builtin_layout_names();
 }
 
 std::string known_layouts() {

@@ -18,16 +18,12 @@ struct Transducer {
 
 /// One physical board of a layout: a rectangle centred on the board's origin in its z = 0 plane, sounding towards +z.
 struct Board {
-  std::string type;         ///< `autd3`, `openmpd` or `sonicsurface`
+  std::string type;         ///< its record is find_board_type(type), board_types.hpp
   std::uint32_t first = 0;  ///< index of its first transducer
   std::uint32_t count = 0;  ///< its transducers are first .. first + count - 1, in the board type's own order
   double width_m = 0;       ///< along the board's x
   double height_m = 0;      ///< along the board's y
   Transform T_layout_board{1.0};
-
-  /// False if its transducers are only on or off. A drive's largest amplitude then says what share of them is on. Name
-  /// every such type here.
-  bool has_amplitudes() const { return type != "sonicsurface"; }
 };
 
 /// The maximum number of transducers in a layout: sixteen times the paper's, and fewer than the iterations after which
@@ -46,8 +42,8 @@ struct Layout {
   Transform default_T_world_layout{1.0};
 };
 
-/// `autd3`, `paper`, `openmpd`, `openmpd-pair` or `sonicsurface`, or the path of a layout TOML (schema in
-/// docs/layouts.md). Throws bad_input naming file, line and key. The error for an unknown name lists the known ones.
+/// One of layout_names(), or the path of a layout TOML (schema in docs/layouts.md). Throws bad_input naming file, line
+/// and key. The error for an unknown name lists the known ones.
 Layout load_layout(const std::string& name_or_file);
 std::vector<std::string> layout_names();
 /// The same as text for people: "autd3, paper, ...".

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/layouts/board_types.hpp"
 #include "array/layouts/builtin_layouts.hpp"
 #include "array/medium.hpp"
 #include "base/error.hpp"
@@ -48,7 +49,7 @@ void read_unit(TomlTable& table, Layout& layout) {
   const Transform pose = read_pose(table);
   table.done();
   if (!add_board(layout, type, pose)) {
-    throw table.fault("type", fmt::format("type is not a known board; known: {}", fmt::join(board_types(), ", ")));
+    throw table.fault("type", fmt::format("type is not a known board; known: {}", known_board_types()));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "array/layouts/board_types.hpp"
 #include "array/turns.hpp"
 #include "base/lanes.hpp"
 
@@ -58,7 +59,8 @@ struct Rounded {
 }
 
 double turn_of(std::uint32_t number) {
-  return static_cast<double>(number) / (common_phases * roundings[0].steps);
+  const BoardType& coarsest = *std::ranges::min_element(board_types(), {}, &BoardType::phase_steps);
+  return static_cast<double>(number) / (common_phases * coarsest.phase_steps);
 }
 
 }  // namespace
@@ -73,13 +75,13 @@ void choose_common_phase(const SplitRows& nulls, double weakest_focus, std::span
     scratch.size[n] = std::sqrt(std::norm(drive[n]));
     scratch.turns[n] = std::atan2(drive[n].imag(), drive[n].real()) * (0.5 / std::numbers::pi);
   }
-  // The largest part of what a null may have, over all roundings.
+  // The largest part of what a null may have, over all types of boards.
   const auto worst_of = [&](std::uint32_t number, double enough) {
     double worst = 0;
-    for (const Rounding& rounding : roundings) {
-      const Rounded rounded{nulls, scratch.size, scratch.turns, turn_of(number), static_cast<double>(rounding.steps)};
+    for (const BoardType& type : board_types()) {
+      const Rounded rounded{nulls, scratch.size, scratch.turns, turn_of(number), static_cast<double>(type.phase_steps)};
       const double heard = in_lanes([&](auto) PALPA_INLINED { return loudest(rounded); });
-      worst = std::max(worst, heard / (rounding.depth * weakest_focus));
+      worst = std::max(worst, heard / (type.null_depth * weakest_focus));
       if (worst >= enough) break;
     }
     return worst;

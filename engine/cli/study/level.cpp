@@ -68,8 +68,10 @@ std::string level_json(const study::StudyPlan& plan, const study::EarLevel& leve
 
 void run_level(const LevelCommand& o) {
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = setup::load_plan(o.plan);
-  const study::EarLevel level = study::predict_ear_level(plan, setup::try_files(plan));
+  study::StudyPlan plan = setup::load_plan(o.plan);
+  const std::vector<Box> objects = setup::try_files(plan);
+  study::refuse_silent(plan);
+  const study::EarLevel level = study::predict_ear_level(plan, objects);
   study::check_signature(plan, level, o.override_by);
   if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level));
   if (setup::shows_summary(o.common, outputs)) write_file("-", level_text(plan, level));

@@ -107,8 +107,9 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
 void run_plan(const PlanCommand& o) {
   if (o.common.seed != 0) throw bad_usage("--seed belongs to the plan: set seed in its [run]");
   const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
-  const study::StudyPlan plan = setup::load_plan(o.plan);
+  study::StudyPlan plan = setup::load_plan(o.plan);
   const std::vector<Box> objects = setup::try_files(plan);
+  study::refuse_silent(plan);
   const std::vector<study::Step> steps = study::order_of(plan, o.participant);
   const Strength strength = strength_of(plan, objects);
   if (!o.common.json.empty()) write_file(o.common.json, plan_json(plan, o.participant, steps, strength));

@@ -39,7 +39,7 @@ void run_rehearse(const RehearseCommand& o) {
   if (!o.participant) throw bad_usage("--participant is missing: give a number, such as 1");
   if (o.out.empty()) throw bad_usage("--out is missing: give a folder for the rehearsal");
   const Outputs outputs({{"--json", o.common.json}});
-  const study::StudyPlan plan = setup::load_plan(o.plan);
+  study::StudyPlan plan = setup::load_plan(o.plan);
   setup::try_files(plan);
   const setup::Interrupt interrupt("ended without finishing, one second after the signal: a disk did not answer");
   study::Record record(plan, *o.participant, o.out, true);

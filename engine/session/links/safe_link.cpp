@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -43,6 +44,12 @@ void scale(array::Schedule& schedule, double factor) {
 
 }  // namespace
 
+double ceiling_of(const Safety& safety) {
+  const auto within = [](double now) { return now > 0 ? std::min(now, 1.0) : 0.0; };
+  const double ceiling = safety.ceiling_now ? within(*safety.ceiling_now) : safety.ceiling;
+  return safety.gain_now ? ceiling * within(*safety.gain_now) : ceiling;
+}
+
 void check_safety(const Safety& safety) {
   if (!(safety.ceiling >= 0 && safety.ceiling <= 1))
     throw bad_usage(fmt::format("a link's ceiling must be from 0 to 1, not {}", safety.ceiling));
@@ -55,6 +62,7 @@ SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, do
     : link_(link), safety_(safety), slot_s_(slot_s), sent_(std::move(sent)), silence_(transducers, {0.0f, 0.0f}) {
   check_safety(safety);
   nothing_.slot_s = slot_s;
+  if (const array::Layout* const layout = link.boards(); layout && !layout->boards.empty()) boards_.emplace(*layout);
   if (plain()) return;
   constexpr double rounding = 1e-9;  // 15 ms are ten slots of 1.5 ms despite rounding
   if (ramped())
@@ -75,12 +83,6 @@ SafeLink::~SafeLink() {
   }
 }
 
-double SafeLink::ceiling() const {
-  const auto within = [](double now) { return now > 0 ? std::min(now, 1.0) : 0.0; };
-  const double ceiling = safety_.ceiling_now ? within(*safety_.ceiling_now) : safety_.ceiling;
-  return safety_.gain_now ? ceiling * within(*safety_.gain_now) : ceiling;
-}
-
 void SafeLink::plan(const PlayedPlan& plan) {
   if (ended_) return;
   next_slot_ = std::max(next_slot_, plan.slots.from);  // if the link fails, silence comes after this plan
@@ -91,6 +93,9 @@ void SafeLink::plan(const PlayedPlan& plan) {
     if (!must_fade()) link_.plan(plan);
     return;
   }
+  const auto asks = [](const array::Voice& voice) { return voice.pressure_pa > 0; };
+  const std::span voices = std::span(plan.schedule.voices).first(plan.schedule.voice_count);
+  round_ = std::ranges::any_of(voices, asks) ? array::Round::down : array::Round::nearest;
   kept_.schedule = plan.schedule;
   kept_.schedule.advance = {};  // the drives that a link gets are of foci that stand
   kept_.cycle = plan.slots.cycle;
@@ -135,6 +140,7 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   scaled_ = kept_;
   scale(scaled_.schedule, factor);
   scale(scaled_.drives, factor);
+  if (boards_) round_plan();
   passed_factor_ = factor;
   passed_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
@@ -142,6 +148,31 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
            .slots = {from_slot, until_slot_, scaled_.cycle},
            .drives = scaled_.drives,
            .foci = scaled_.foci});
+}
+
+void SafeLink::round_plan() {
+  const std::size_t transducers = silence_.size();
+  float loudest = 0;
+  for (const array::TransducerDrive& one : scaled_.drives)
+    loudest = std::max(loudest, one.amplitude);
+  if (scaled_.drives.empty()) {  // each slot has its own
+    for (std::uint32_t v = 0; v < scaled_.schedule.voice_count; ++v)
+      loudest = std::max(loudest, static_cast<float>(scaled_.schedule.voices[v].gain));
+  }
+  for (std::size_t first = 0; first < scaled_.drives.size(); first += transducers)
+    boards_->round(std::span(scaled_.drives).subspan(first, transducers), ceiling(), round_);
+  if (!ramped() || up_ == ramp_drives_) warn_if_faint(loudest);
+}
+
+void SafeLink::warn_if_faint(float loudest) {
+  const bool faint = loudest > 0 && !boards_->sounds_at(loudest);
+  if (faint && !faint_) {
+    log::warning(fmt::format(
+        "the array is silent: the loudest amplitude is {:.2g}, and the least that {} boards play is {:.3g}; raise the "
+        "ceiling, the gain or the pressure",
+        loudest, boards_->finest()->title, boards_->least()));
+  }
+  faint_ = faint;
 }
 
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
@@ -166,6 +197,7 @@ void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::Transducer
                            bool planned) {
   scaled_drive_.assign(drive.begin(), drive.end());
   scale(scaled_drive_, factor);
+  if (boards_) boards_->round(scaled_drive_, ceiling(), round_);
   pass_on(slot, scaled_drive_, planned && factor > 0);  // a ceiling of 0 is silence, whatever the plan has
 }
 

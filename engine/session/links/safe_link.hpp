@@ -1,15 +1,19 @@
-// The safety layer around any link: silence at the end, a ceiling, a ramp.
+// The safety layer around any link: silence at the end, a ceiling, a ramp; and for boards, the amplitudes that they
+// have.
 //
-// While the ceiling is 1 and cannot change, and there is no ramp, nothing is copied or changed. If no calls come at
-// all, this layer can do nothing. The guard then silences a board; a receiver of foci falls silent by itself.
+// While the ceiling is 1 and cannot change, there is no ramp, and the link is no board, nothing is copied or changed.
+// If no calls come at all, this layer can do nothing. The guard then silences a board; a receiver of foci falls silent
+// by itself.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "array/played.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"
@@ -32,11 +36,16 @@ struct Safety {
   const std::atomic<double>* gain_now = nullptr;
 };
 inline constexpr double most_ramp_s = 0.5;  ///< a program has one second to end after a signal
+/// The ceiling that holds now, with the gain.
+double ceiling_of(const Safety& safety);
 /// Throws bad_usage if the ceiling or the ramp is out of range.
 void check_safety(const Safety& safety);
 
-/// Plays to another link. The last drive that the link gets is all-zero: from finish(), or else from the destructor, so
-/// even if the link or its caller throws. Calls after finish() are dropped.
+/// Plays to another link. A board's drives are rounded as array::BoardPlay does, so what counts as sounding is what
+/// sounds: a drive below the board's least amplitude is silent. If fingers request a pressure, amplitudes are rounded
+/// down. Warns if a plan with fingers is silent for that reason, once until one sounds. The last drive that the link
+/// gets is all-zero: from finish(), or else from the destructor, so even if the link or its caller throws. Calls after
+/// finish() are dropped.
 class SafeLink final : public Link {
  public:
   /// `link` must outlive it. `sent` is called after every drive that the link took; its argument says whether the drive
@@ -69,12 +78,14 @@ class SafeLink final : public Link {
   void finish() override;
 
  private:
-  bool plain() const { return safety_.ceiling == 1 && !changes() && safety_.ramp_s == 0; }
+  bool plain() const { return safety_.ceiling == 1 && !changes() && safety_.ramp_s == 0 && !boards_; }
   bool changes() const { return safety_.ceiling_now != nullptr || safety_.gain_now != nullptr; }
-  double ceiling() const;
+  double ceiling() const { return ceiling_of(safety_); }
   bool ramped() const { return safety_.ramp_s > 0; }
   double factor(std::uint32_t up) const { return ceiling() * up / ramp_drives_; }
   void pass_on_scaled(std::uint64_t from_slot, double factor);
+  void round_plan();
+  void warn_if_faint(float loudest);
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor, bool planned);
@@ -99,6 +110,11 @@ class SafeLink final : public Link {
     array::Drive drives;
     std::vector<Vec3> foci;
   };
+
+  // Only for boards.
+  std::optional<array::BoardPlay> boards_;
+  array::Round round_ = array::Round::nearest;
+  bool faint_ = false;  ///< the last plan with fingers was silent, because it was below the least amplitude
 
   // Only if amplitudes change.
   Sound kept_, scaled_;           ///< of the last plan with voices: as it came, and as it was passed on

@@ -27,9 +27,9 @@ bool beyond_linear(const array::Schedule& schedule) {
                      [](const auto& voice) { return voice.reached_pa.value_or(0) > array::linear_pressure_pa; });
 }
 
-void PressureLog::planned(const array::Schedule& schedule) {
+void PressureLog::planned(const array::Schedule& schedule, const array::Schedule* played) {
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
-    const array::Voice& voice = schedule.voices[v];
+    const array::Voice& voice = (played ? *played : schedule).voices[v];
     if (!voice.reached_pa) continue;
     auto finger = std::ranges::find(fingers_, voice.id, &FingerPressure::id);
     if (finger == fingers_.end()) {

@@ -43,8 +43,9 @@ class PressureLog {
   static constexpr std::size_t most = 256;
   explicit PressureLog(std::span<const std::string> solid_names) : solid_names_(solid_names) { fingers_.reserve(most); }
 
-  /// Adds a frame's schedule. Warns once if a pressure is not reached.
-  void planned(const array::Schedule& schedule);
+  /// Adds a frame's schedule. Warns once if a pressure is not reached. `played`: the same with the pressures that
+  /// boards play, which count instead.
+  void planned(const array::Schedule& schedule, const array::Schedule* played = nullptr);
   /// In the order of their first appearance.
   const std::vector<FingerPressure>& fingers() const { return fingers_; }
 

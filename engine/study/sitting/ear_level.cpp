@@ -14,8 +14,10 @@
 #include "acoustics/field/incident.hpp"
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
+#include "array/played.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 
 namespace palpa::study {
 namespace {
@@ -103,34 +105,36 @@ double level_of(double pascals) {
   return 20 * std::log10(std::max(pascals, 1e-12) / std::numbers::sqrt2 / reference_pa);
 }
 
-/// The pressure at the place if all transducers are at full amplitude, and their sounds in phase there.
-double pressure_in_phase(const array::Layout& layout, const acoustics::Air& air, std::span<const double> directivity,
-                         const Vec3& place) {
+/// The pressure at the place if the sounds of all transducers are in phase there.
+double pressure_in_phase(const array::Layout& layout, const array::Drive& drive, const acoustics::Air& air,
+                         std::span<const double> directivity, const Vec3& place) {
   double sum = 0;
-  for (const auto& [position, axis] : layout.transducers) {
+  for (std::size_t t = 0; t < drive.size(); ++t) {
+    const auto& [position, axis] = layout.transducers[t];
     const Vec3 way = place - position;
     const double distance = std::max(glm::length(way), layout.transducer_radius_m);
     const double at =
         (std::clamp(glm::dot(way, axis) / distance, -1.0, 1.0) + 1) / 2 * static_cast<double>(array::directivity_steps);
     const auto below = std::min(static_cast<std::size_t>(at), array::directivity_steps - 1);
     const double part = at - static_cast<double>(below);
-    sum += ((1 - part) * directivity[below] + part * directivity[below + 1]) *
+    sum += static_cast<double>(drive[t].amplitude) * ((1 - part) * directivity[below] + part * directivity[below + 1]) *
            std::exp(-air.absorption_np_m * distance) / distance;
   }
   return layout.source_level_pa_m * sum;
 }
 
-/// The plan's reading at the plan's ceiling. Boards without amplitudes get quieter by less: see predict_ear_level.
-std::optional<double> reading_of(const PlanLevel& level, bool on_off) {
-  if (!level.measured_db) return std::nullopt;
-  const double ratio = std::max(level.ceiling, 1e-9) / level.measured_ceiling;
-  return *level.measured_db + (on_off && ratio < 1 ? 10 : 20) * std::log10(ratio);
+/// Multiplies a drive by the ceiling, as a link does, and rounds it to the amplitudes that the boards have.
+void play_at(double ceiling, const array::BoardPlay& boards, array::Drive& drive) {
+  for (array::TransducerDrive& transducer : drive)
+    transducer.amplitude *= static_cast<float>(ceiling);
+  boards.round(drive, ceiling, array::Round::nearest);
 }
 
-/// The drives of all sets, at this factor of their amplitudes.
+/// The drives of all sets at this ceiling.
 acoustics::Strengths strengths_of(const array::Layout& layout, const std::vector<FocusSet>& sets,
-                                  const array::DriveOptions& options, double factor) {
+                                  const array::DriveOptions& options, double ceiling) {
   acoustics::Strengths all;
+  const array::BoardPlay boards(layout);
   array::DriveScratch scratch;
   array::reserve(scratch, layout, options, 10);
   array::Drive drive(layout.transducers.size());
@@ -139,12 +143,110 @@ acoustics::Strengths strengths_of(const array::Layout& layout, const std::vector
     for (std::size_t i = 0; i < set.size(); ++i)
       foci[i].position = set[i];
     array::drive_for(layout, foci, options, drive, scratch);
-    for (array::TransducerDrive& transducer : drive)
-      transducer.amplitude *= static_cast<float>(factor);
+    play_at(ceiling, boards, drive);
     const acoustics::Strengths own = acoustics::strengths_of(drive);
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;
+}
+
+bool has_amplitudes(const array::Board& board) {
+  const array::BoardType* const type = array::find_board_type(board.type);
+  return type == nullptr || type->has_amplitudes();
+}
+
+/// The arrays of the plan's methods, each once.
+std::vector<array::Layout> layouts_of(const StudyPlan& plan, const array::Layout* placed) {
+  std::set<std::string> names;
+  for (const PlanMethod& method : plan.methods)
+    names.insert(method.layout);
+  std::vector<array::Layout> layouts;
+  for (const std::string& name : names) {
+    layouts.push_back(placed != nullptr ? *placed : in_default_pose(array::load_layout(name)));
+    layouts.back().name = name;
+  }
+  return layouts;
+}
+
+/// The level of a plan's sound at any ceiling.
+class Prediction {
+ public:
+  Prediction(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed)
+      : plan_(plan),
+        layouts_(layouts_of(plan, placed)),
+        asks_(std::ranges::any_of(plan.shapes, &PlanShape::asks_pressure)),
+        places_(ball_around(plan.level.ears[0])),
+        per_ear_(places_.size()) {
+    const std::vector<Vec3> right = ball_around(plan.level.ears[1]);
+    places_.insert(places_.end(), right.begin(), right.end());
+    for (const Box& space : felt_spaces(objects, plan.run.deep_m))
+      add_sets(space, sets_);
+  }
+
+  EarLevel at(double ceiling) const {
+    EarLevel level{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan_)};
+    for (const array::Layout& layout : layouts_)
+      add(layout, ceiling, level);
+    return level;
+  }
+
+  /// A ceiling below `ceiling` whose predicted level is at most `most_db`; 0 if the boards are silent there.
+  double fitting(double ceiling, double most_db) const {
+    while (!is_silent(ceiling)) {
+      const double above_db = at(ceiling).predicted_db() - most_db;
+      if (above_db <= 0) return ceiling;
+      ceiling = rounded_down(ceiling * std::pow(10, -std::max(above_db, 0.01) / 20));
+    }
+    return 0;
+  }
+
+ private:
+  bool is_silent(double ceiling) const {
+    return std::ranges::any_of(
+        layouts_, [&](const array::Layout& layout) { return !array::BoardPlay(layout).sounds_at(ceiling); });
+  }
+  /// Three decimals, and two digits of what is smaller.
+  static double rounded_down(double ceiling) {
+    const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(ceiling)) - 1));
+    return std::floor(ceiling / step + 1e-9) * step;
+  }
+  void add(const array::Layout& layout, double ceiling, EarLevel& level) const;
+
+  const StudyPlan& plan_;
+  std::vector<array::Layout> layouts_;
+  bool asks_;
+  std::vector<Vec3> places_;
+  std::size_t per_ear_;
+  std::vector<FocusSet> sets_;
+};
+
+void Prediction::add(const array::Layout& layout, double ceiling, EarLevel& level) const {
+  const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
+  const bool on_off = !std::ranges::all_of(layout.boards, has_amplitudes);
+  const bool equal = asks_ || on_off;
+  const array::DriveOptions options{.constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
+                                    .medium = air.medium,
+                                    .solver = array::Solver::gs_pat,
+                                    .directivity = directivity_kind};
+  const acoustics::Incident incident(layout, air, directivity_kind);
+  acoustics::Waves waves;
+  incident.at(places_, {}, strengths_of(layout, sets_, options, ceiling), waves);
+  for (std::size_t i = 0; i < waves.pressures.size(); ++i) {
+    const double db = level_of(std::abs(waves.pressures[i])) + (equal ? untried_equal_db : untried_db);
+    if (db > level.predicted_db()) {
+      level.foci = sets_[i / places_.size()];
+      level.layout = layout.name;
+      level.full_amplitude = equal;
+    }
+    double& at_ear = level.db[i % places_.size() < per_ear_ ? 0 : 1];
+    at_ear = std::max(at_ear, db);
+  }
+  const std::vector<double> table = array::directivity_table(
+      directivity_kind, 2 * std::numbers::pi * air.medium.turns_per_metre() * layout.transducer_radius_m);
+  array::Drive all(layout.transducers.size(), {1.0f, 0.0f});
+  play_at(ceiling, array::BoardPlay(layout), all);
+  for (const Vec3& place : places_)
+    level.bound_db = std::max(level.bound_db, level_of(pressure_in_phase(layout, all, air, table, place)));
 }
 
 }  // namespace
@@ -160,50 +262,39 @@ double equivalent_db(double level_db, double sounding_s) {
 
 EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed) {
   assert(objects.size() == plan.shapes.size());
-  EarLevel level{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan)};
-  std::vector<Vec3> places = ball_around(plan.level.ears[0]);
-  const std::size_t per_ear = places.size();
-  const std::vector<Vec3> right = ball_around(plan.level.ears[1]);
-  places.insert(places.end(), right.begin(), right.end());
-  std::vector<FocusSet> sets;
-  for (const Box& space : felt_spaces(objects, plan.run.deep_m))
-    add_sets(space, sets);
-  const bool asks = std::ranges::any_of(plan.shapes, &PlanShape::asks_pressure);
-
-  std::set<std::string> layouts;
-  for (const PlanMethod& method : plan.methods)
-    layouts.insert(method.layout);
-  for (const std::string& name : layouts) {
-    const array::Layout layout = placed != nullptr ? *placed : in_default_pose(array::load_layout(name));
-    const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
-    const bool on_off = !std::ranges::all_of(layout.boards, &array::Board::has_amplitudes);
-    const bool equal = asks || on_off;
-    const double factor = on_off ? std::sqrt(plan.level.ceiling) : plan.level.ceiling;
-    const array::DriveOptions options{.constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
-                                      .medium = air.medium,
-                                      .solver = array::Solver::gs_pat,
-                                      .directivity = directivity_kind};
-    const acoustics::Incident incident(layout, air, directivity_kind);
-    acoustics::Waves waves;
-    incident.at(places, {}, strengths_of(layout, sets, options, factor), waves);
-    for (std::size_t i = 0; i < waves.pressures.size(); ++i) {
-      const double db = level_of(std::abs(waves.pressures[i])) + (equal ? untried_equal_db : untried_db);
-      if (db > level.predicted_db()) {
-        level.foci = sets[i / places.size()];
-        level.layout = name;
-        level.full_amplitude = equal;
-      }
-      double& at_ear = level.db[i % places.size() < per_ear ? 0 : 1];
-      at_ear = std::max(at_ear, db);
-    }
-    level.on_off = level.on_off || on_off;
-    const std::vector<double> table = array::directivity_table(
-        directivity_kind, 2 * std::numbers::pi * air.medium.turns_per_metre() * layout.transducer_radius_m);
-    for (const Vec3& place : places)
-      level.bound_db = std::max(level.bound_db, level_of(factor * pressure_in_phase(layout, air, table, place)));
+  const Prediction prediction(plan, objects, placed);
+  EarLevel level = prediction.at(plan.level.ceiling);
+  if (plan.level.measured_db) {
+    const double then_db = plan.level.measured_ceiling == plan.level.ceiling
+                               ? level.predicted_db()
+                               : prediction.at(plan.level.measured_ceiling).predicted_db();
+    level.measured = *plan.level.measured_db + level.predicted_db() - then_db;
   }
-  level.measured = reading_of(plan.level, level.on_off);
+  if (const double above_db = level.loudest_db() - plan.level.limit_db; above_db > 0)
+    level.fitting_ceiling = prediction.fitting(plan.level.ceiling, level.predicted_db() - above_db);
   return level;
+}
+
+void refuse_silent(const StudyPlan& plan, const array::Layout* placed) {
+  for (const array::Layout& layout : layouts_of(plan, placed)) {
+    const array::BoardPlay boards(layout);
+    const auto refuse = [&](double amplitude, const std::string& what) {
+      if (boards.sounds_at(amplitude)) return;
+      throw bad_usage(
+          fmt::format("{}: {}, below {:.3g}, the least amplitude that the {} boards of {} play: they would be "
+                      "silent",
+                      plan.file, what, boards.least(), boards.finest()->title, layout.name));
+    };
+    refuse(plan.level.ceiling, fmt::format("the ceiling of [level] is {:g}", plan.level.ceiling));
+    if (plan.level.measured_db)
+      refuse(plan.level.measured_ceiling,
+             fmt::format("measured_ceiling of [level] is {:g}", plan.level.measured_ceiling));
+    for (const PlanShape& shape : plan.shapes) {
+      const double amplitude = plan.level.ceiling * shape.intensity;
+      refuse(amplitude, fmt::format("the ceiling {:g} times the intensity {:g} of '{}' is {:.2g}", plan.level.ceiling,
+                                    shape.intensity, printable(shape.name), amplitude));
+    }
+  }
 }
 
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level) {
@@ -227,15 +318,15 @@ const std::vector<EarLimit>& ear_limits() {
 
 std::string needs_approval(const StudyPlan& plan, const EarLevel& level) {
   if (const double above_db = level.loudest_db() - plan.level.limit_db; above_db > 0) {
-    const double fits = plan.level.ceiling * std::pow(10, -above_db / (level.on_off ? 10 : 20));
-    // Three decimals, and two digits of what is smaller.
-    const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(fits)) - 1));
+    const std::string what =
+        fmt::format("{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: ", plan.file,
+                    level.loudest_db(), level.word(), plan.level.limit_db);
+    if (level.fitting_ceiling == 0)
+      return what + "no ceiling at which the array sounds is quiet enough: move the participant away";
     return fmt::format(
-        "{}: {:.1f} dB are {} at an ear, and the limit of the plan is {:.1f} dB: lower the ceiling of its [level] from "
-        "{} to {:g}, or move the participant away{}",
-        plan.file, level.loudest_db(), level.word(), plan.level.limit_db, plan.level.ceiling,
-        std::floor(fits / step) * step,
-        fits < 1e-3 ? "; see whether left_ear_mm and right_ear_mm are in millimetres" : "");
+        "{}lower the ceiling of its [level] from {} to {:g}, or move the participant away{}", what, plan.level.ceiling,
+        level.fitting_ceiling,
+        level.fitting_ceiling < 1e-3 ? "; see whether left_ear_mm and right_ear_mm are in millimetres" : "");
   }
   if (const double below_db = level.predicted_db() - level.loudest_db(); below_db > impossible_reading_db) {
     return fmt::format(

@@ -23,12 +23,13 @@ double equivalent_db(double level_db, double sounding_s);
 
 /// Levels are sound pressure levels of the tone: 20 log10(p / sqrt(2) / 20 uPa) for the peak pressure p.
 struct EarLevel {
-  std::array<double, 2> db{};        ///< left, right: the loudest that is predicted at the plan's ceiling
-  std::vector<Vec3> foci{};          ///< of the drive that causes the louder of them, metres, world
-  std::string layout{};              ///< of the plan's loudest method
-  bool full_amplitude = false;       ///< its drives are tried with all transducers at the ceiling
-  bool on_off = false;               ///< its boards have no amplitudes
-  double bound_db = 0;               ///< no drive is louder: all transducers at the ceiling, and in phase at the ear
+  std::array<double, 2> db{};   ///< left, right: the loudest that is predicted at the plan's ceiling
+  std::vector<Vec3> foci{};     ///< of the drive that causes the louder of them, metres, world
+  std::string layout{};         ///< of the plan's loudest method
+  bool full_amplitude = false;  ///< its drives are tried with all transducers at the ceiling
+  double bound_db = 0;          ///< no drive is louder: all transducers at the ceiling, and in phase at the ear
+  /// If the level is above the plan's limit: a lower ceiling at which it is not, 0 if there is no such ceiling.
+  double fitting_ceiling = 0;
   std::optional<double> measured{};  ///< dB: the plan's reading, at the plan's ceiling
   double sounding_s = 0;             ///< how long the array may sound in a participant's sitting
 
@@ -57,9 +58,13 @@ inline constexpr double impossible_reading_db = 20;
 ///
 /// A study plays with Constraint::normalise, so the drives are those of gs_pat with that constraint: the loudest have
 /// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
-/// boards without amplitudes. Then all transducers are at the ceiling. Boards without amplitudes turn that share of
-/// their transducers on, whose sound beside the focus falls with the square root of the share.
+/// boards without amplitudes. Then all transducers are at the ceiling. Boards play the amplitudes that they have
+/// (array/played.hpp). A reading at another ceiling counts with the difference of the two predictions.
 EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr);
+
+/// Throws bad_usage if the boards of a method's layout would be silent at the plan's ceiling, at the ceiling of its
+/// reading, or for a model of lower intensity. `placed` as above.
+void refuse_silent(const StudyPlan& plan, const array::Layout* placed = nullptr);
 
 /// A line about a reading that is below the prediction by more than reflections_db; empty otherwise.
 std::string doubt_of_reading(const StudyPlan& plan, const EarLevel& level);

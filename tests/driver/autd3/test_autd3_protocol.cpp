@@ -20,9 +20,12 @@ constexpr float pi = std::numbers::pi_v<float>;
 
 TEST(Autd3Wire, PhasesAreDelaysAndIntensitiesAmplitudes) {
   EXPECT_EQ(emission({1.0f, 0.0f}), (Emission{0, 255}));
-  EXPECT_EQ(emission({0.5f, pi}), (Emission{128, 128}));
+  EXPECT_EQ(emission({0.5f, pi}), (Emission{128, 127})) << "128 has a pulse of 86 of 512 counts, which is 0.5035";
   EXPECT_EQ(emission({0.0f, -pi / 2}), (Emission{192, 0}));
-  EXPECT_EQ(emission({0.25f, -1e-4f}), (Emission{0, 64})) << "just below a whole turn";
+  EXPECT_EQ(emission({0.25f, -1e-4f}), (Emission{0, 63})) << "just below a whole turn";
+  EXPECT_EQ(emission({0.3f, 0}).intensity, 75) << "a pulse of 49 counts, 0.296; 50 are 0.302";
+  EXPECT_EQ(emission({0.007f, 0}).intensity, 1) << "a pulse of one count";
+  EXPECT_EQ(emission({0.006f, 0}).intensity, 0) << "less than a count";
   EXPECT_EQ(emission({1.5f, 2 * pi / 256}), (Emission{1, 255}));
   EXPECT_EQ(emission({1.0f, 2 * pi * 1.49f / 256}).phase, 1);
   EXPECT_EQ(emission({1.0f, 2 * pi * 1.51f / 256}).phase, 2);

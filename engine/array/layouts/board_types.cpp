@@ -1,0 +1,158 @@
+#include "array/layouts/board_types.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace palpa::array {
+namespace {
+
+// AUTD3: 18 x 14 places at 10.16 mm, three of them occupied by screws and the connector; index along x first.
+constexpr int autd3_columns = 18;
+constexpr int autd3_rows = 14;
+constexpr double autd3_pitch = 0.01016;
+
+bool autd3_missing(int x, int y) {
+  return y == 1 && (x == 1 || x == 2 || x == 16);
+}
+
+void add_autd3(std::vector<Vec3>& places) {
+  for (int y = 0; y < autd3_rows; ++y) {
+    for (int x = 0; x < autd3_columns; ++x) {
+      if (autd3_missing(x, y)) continue;
+      places.emplace_back((x - 0.5 * (autd3_columns - 1)) * autd3_pitch, (y - 0.5 * (autd3_rows - 1)) * autd3_pitch,
+                          0.0);
+    }
+  }
+}
+
+// The 16 x 16 boards: 10.5 mm, columns left to right, rows from the top.
+constexpr int square_side = 16;
+constexpr double square_pitch = 0.0105;
+constexpr double square_width = square_side * square_pitch;
+
+Vec3 square_place(int column, int row) {
+  return {(column - 7.5) * square_pitch, (7.5 - row) * square_pitch, 0.0};
+}
+
+void add_openmpd(std::vector<Vec3>& places) {
+  for (int column = 0; column < square_side; ++column) {
+    for (int row = 0; row < square_side; ++row)
+      places.push_back(square_place(column, row));
+  }
+}
+
+void add_sonicsurface(std::vector<Vec3>& places) {
+  for (int row = 0; row < square_side; ++row) {
+    for (int column = 0; column < square_side; ++column)
+      places.push_back(square_place(column, row));
+  }
+}
+
+/// The amplitude of a pulse that lasts this part of half a period.
+double pulse_amplitude(double part) {
+  return part < 1 ? std::sin(part * std::numbers::pi / 2) : 1;
+}
+
+/// 64 pulse widths.
+const AmplitudeSteps* openmpd_amplitudes() {
+  static const AmplitudeSteps steps([] {
+    std::vector<double> levels;
+    for (int width = 0; width <= 64; ++width)
+      levels.push_back(pulse_amplitude(width / 64.0));
+    return levels;
+  }());
+  return &steps;
+}
+
+/// Of 256 pulse widths, those that an intensity of 0 to 255 selects: round(256 asin(intensity / 255) 2 / pi).
+const AmplitudeSteps* autd3_amplitudes() {
+  static const AmplitudeSteps steps([] {
+    std::vector<double> levels;
+    for (int intensity = 0; intensity <= 255; ++intensity) {
+      const double width = std::round(512 / std::numbers::pi * std::asin(intensity / 255.0));
+      if (const double level = pulse_amplitude(width / 256); levels.empty() || level > levels.back())
+        levels.push_back(level);
+    }
+    return levels;
+  }());
+  return &steps;
+}
+
+/// A lattice in the plane: whatever share of the transducers is on, they are evenly spread.
+std::uint32_t sonicsurface_turn(std::uint32_t transducer) {
+  constexpr std::uint32_t count = square_side * square_side;
+  static const auto turns = [] {
+    constexpr double along_row = 0.7548776662466927, along_column = 0.5698402909980532;
+    std::array<double, count> value{};
+    for (std::uint32_t t = 0; t < count; ++t) {
+      const double place = along_row * (t % square_side) + along_column * (t / square_side);
+      value[t] = place - std::floor(place);
+    }
+    std::array<std::uint32_t, count> order{}, turn{};
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::sort(order, {}, [&](std::uint32_t t) { return value[t]; });
+    for (std::uint32_t i = 0; i < count; ++i)
+      turn[order[i]] = i;
+    return turn;
+  }();
+  return turns[transducer % count];
+}
+
+constexpr BoardType types[] = {
+    {.name = "autd3",
+     .title = "AUTD3",
+     .width_m = 0.192,
+     .height_m = 0.1514,
+     .pitch_m = autd3_pitch,
+     .add_places = add_autd3,
+     .phase_steps = 256,
+     .null_depth = 0.00224,
+     .amplitudes = autd3_amplitudes,
+     .link_words = "a server's host and port"},
+    {.name = "openmpd",
+     .title = "OpenMPD",
+     .width_m = square_width,
+     .height_m = square_width,
+     .pitch_m = square_pitch,
+     .add_places = add_openmpd,
+     .phase_steps = 128,
+     .null_depth = 0.004,
+     .amplitudes = openmpd_amplitudes,
+     .few_amplitudes = 0.25,
+     .link_words = "serial numbers"},
+    {.name = "sonicsurface",
+     .title = "SonicSurface",
+     .width_m = square_width,
+     .height_m = square_width,
+     .pitch_m = square_pitch,
+     .add_places = add_sonicsurface,
+     .phase_steps = 32,
+     .null_depth = 0.0126,
+     .turn = sonicsurface_turn,
+     .link_words = "a serial port"},
+};
+
+}  // namespace
+
+std::span<const BoardType> board_types() {
+  return types;
+}
+
+const BoardType* find_board_type(std::string_view name) {
+  const auto* const found = std::ranges::find(types, name, &BoardType::name);
+  return found == std::end(types) ? nullptr : found;
+}
+
+std::string known_board_types(std::string_view last) {
+  std::string names;
+  for (const BoardType& type : types) {
+    if (!names.empty()) names += &type == &types[std::size(types) - 1] ? last : ", ";
+    names += type.name;
+  }
+  return names;
+}
+
+}  // namespace palpa::array
