@@ -116,7 +116,7 @@ py::class_<LayoutObject, LayoutPtr> add_layout_class(py::module_& m) {
 Parameters
 ----------
 source : str, path, or (positions, axes)
-    "autd3", "paper", "openmpd", "openmpd-pair" or "sonicsurface", or a TOML file (docs/layouts.md), or arrays of shape
+    The name of a built-in layout such as "paper" or "openmpd", or a TOML file (docs/layouts.md), or arrays of shape
     (M, 3): metres, and unit vectors, the directions of the sound. For arrays, there are the options below.
 name : str, optional
     For messages.

@@ -12,9 +12,11 @@
 #include <string_view>
 #include <utility>
 
+#include "array/layouts/board_types.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "driver/fixed_text.hpp"
+#include "driver/lag.hpp"
 #include "driver/usb/system.hpp"
 #include "session/links/hand_over.hpp"
 
@@ -57,8 +59,9 @@ void check_layout(const array::Layout& layout, std::size_t addresses) {
 
 }  // namespace
 
-std::vector<Address> parse_addresses(const std::string& argument) {
-  std::vector<Address> addresses;
+Boards parse_boards(std::string argument) {
+  Boards boards{.addresses = {}, .lag = take_lag(argument)};
+  std::vector<Address>& addresses = boards.addresses;
   for (std::size_t at = 0; at <= argument.size();) {
     const std::size_t comma = std::min(argument.find(',', at), argument.size());
     const std::string one = argument.substr(at, comma - at);
@@ -77,7 +80,7 @@ std::vector<Address> parse_addresses(const std::string& argument) {
     addresses.push_back(std::move(address));
     at = comma + 1;
   }
-  return addresses;
+  return boards;
 }
 
 std::uint8_t divider_for(double slot_s) {
@@ -93,7 +96,7 @@ std::uint8_t divider_for(double slot_s) {
 
 OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transport& transport, Clock& clock)
     : notes_(notes), clock_(clock) {
-  const std::vector<Address> addresses = parse_addresses(spec.argument);
+  const auto [addresses, lag] = parse_boards(spec.argument);
   check_layout(spec.layout, addresses.size());
   const std::uint8_t divider = divider_for(spec.slot_s);
   const double chip_need = frame_bytes / spec.slot_s;
@@ -109,9 +112,17 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
   encoders_.reserve(addresses.size());
   wires_.reserve(addresses.size());
   for (const Address& address : addresses) {
-    encoders_.emplace_back(calibration_of(files, address.serial));
     const auto named = [&](const BoardFile& file) { return file.serial == address.serial; };
-    if (!files.empty() && std::none_of(files.begin(), files.end(), named)) {
+    const bool has_file = std::any_of(files.begin(), files.end(), named);
+    const double usual_lag = has_file ? 0 : array::find_board_type("openmpd")->follower_lag;
+    encoders_.emplace_back(calibration_of(files, address.serial), encoders_.empty() ? 0 : lag.value_or(usual_lag));
+    if (&address != &addresses.front() && !has_file && !lag) {
+      note(notes_, &BoardNotes::info,
+           "board {} has no file, so it is sent its phases {:g} periods earlier than the master {}, as its firmware's "
+           "source asks for; to change it, add ,lag= to the link",
+           address.serial, usual_lag, addresses.front().serial);
+    }
+    if (!files.empty() && !has_file) {
       note(notes_, &BoardNotes::warning, "no file in {} belongs to board {}, so it plays without calibration",
            spec.files, address.serial);
     }
@@ -354,17 +365,17 @@ class OpenBoard final : public Board {
 }  // namespace
 
 BoardKind board_kind() {
-  return {
-      "openmpd",
-      "openmpd:SERIAL[,SERIAL...]  OpenMPD boards on USB, by the layout's order; SERIAL@BUS-PORT where several share a "
-      "serial number",
-      [](const BoardSpec& spec, BoardNotes& notes) { return std::make_unique<OpenBoard>(spec, notes); },
-      false,
-      true,
-      [](const std::string& argument) -> std::string {
-        const std::size_t boards = parse_addresses(argument).size();
-        return boards == 1 ? "openmpd" : boards == 2 ? "openmpd-pair" : "";
-      }};
+  return {"openmpd",
+          "openmpd:SERIAL[,SERIAL...][,lag=PERIODS]  OpenMPD boards on USB, by the layout's order; SERIAL@BUS-PORT "
+          "where several share a "
+          "serial number",
+          [](const BoardSpec& spec, BoardNotes& notes) { return std::make_unique<OpenBoard>(spec, notes); },
+          false,
+          true,
+          [](const std::string& argument) -> std::string {
+            const std::size_t boards = parse_boards(argument).addresses.size();
+            return boards == 1 ? "openmpd" : boards == 2 ? "openmpd-pair" : "";
+          }};
 }
 
 }  // namespace palpa::driver::openmpd

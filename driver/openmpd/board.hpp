@@ -5,8 +5,10 @@
 // take a frame. Silence does not wait for a board that takes nothing. Each board gets its all-off frame as soon as it
 // can take one, and no drive follows before all boards have this frame. The boards take a frame every `divider`
 // periods, at most half a slot, so that their buffers stay empty and silence sounds at once. The boards' own cable
-// keeps their carriers in phase, and one of them (its switch MS_SELECT) is the master of all. No program can see or set
-// that.
+// keeps their carriers at one frequency, and one of them (its switch MS_SELECT) is the master of all. No program can
+// see or set that. Others run later than the master. A board's own file may contain this lag, because it was measured;
+// a board without a file gets its phases earlier by the lag of its firmware's source. Both need the master to be the
+// first board. With `lag=`, all but the first get that lag instead.
 //
 // With a ramp, a drive is several frames, in even steps from the drive before. They take at most half a slot, and there
 // are as many as the boards take and as chip and bus can carry. A transducer that was off takes its new phase, and one
@@ -21,6 +23,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,8 +39,13 @@ namespace palpa::driver::openmpd {
 /// The throughput of one high-speed bus, and of one FT232H, as far as it has been measured.
 inline constexpr double bus_bytes_per_s = 40e6, chip_bytes_per_s = 8e6;
 
-/// "A,B@1-4": throws bad_usage for an empty name, or for a board named twice.
-std::vector<Address> parse_addresses(const std::string& argument);
+/// The argument of a link: "A,B@1-4,lag=0.5".
+struct Boards {
+  std::vector<Address> addresses;
+  std::optional<double> lag;  ///< of all but the first, in periods
+};
+/// Throws bad_usage for an empty name, for a board named twice, and as take_lag() does.
+Boards parse_boards(std::string argument);
 /// How many periods of 25 us a board lets pass between frames, for slots of that length: 4, which is the boards' value
 /// at power-up, or fewer. Throws bad_usage if half a slot is shorter than a period.
 std::uint8_t divider_for(double slot_s);

@@ -13,9 +13,10 @@ const array::AmplitudeSteps& widths = *array::find_board_type("openmpd")->amplit
 
 }  // namespace
 
-Encoder::Encoder(const Calibration& calibration) {
+Encoder::Encoder(const Calibration& calibration, double lag_periods) {
   for (std::size_t t = 0; t < transducers; ++t) {
-    transducers_[t] = {pin_of(t), calibration.factors[t], 0.5 - phase_steps / 360.0 * calibration.degrees[t]};
+    transducers_[t] = {pin_of(t), calibration.factors[t],
+                       0.5 - phase_steps * (calibration.degrees[t] / 360.0 + lag_periods)};
   }
 }
 

@@ -4,10 +4,10 @@
 // width has the amplitude sin(pi width / 128), where 64 is full, and the delay of its middle:
 //
 //   width = the number of the highest step that is not above amplitude * factor (array/layouts/board_types.hpp)
-//   phase = floor(128 (phase / 2 pi - offset / 360) + (64 - width) / 2 + 1/2) mod 128
+//   phase = floor(128 (phase / 2 pi - offset / 360 - lag) + (64 - width) / 2 + 1/2) mod 128
 //
-// Offset and factor are the transducer's own (board_file.hpp). A transducer that is off has phase 0, so an all-zero
-// drive is the all-off frame.
+// Offset and factor are the transducer's own (board_file.hpp), and the lag is the board's (driver/lag.hpp). A
+// transducer that is off has phase 0, so an all-zero drive is the all-off frame.
 //
 // Bit 7 of byte 0 starts a frame. Bit 7 of bytes 1 to 34 would set lights and the board's rate, which the board
 // remembers. Only the frame that with_divider() makes has any of these bits.
@@ -42,7 +42,7 @@ Frame with_divider(Frame frame, std::uint8_t divider);
 /// Encodes for one board.
 class Encoder {
  public:
-  explicit Encoder(const Calibration& calibration = {});
+  explicit Encoder(const Calibration& calibration = {}, double lag_periods = 0);
 
   /// `drive` is of this board's 256 transducers, in layout order. Allocates nothing.
   void encode(std::span<const array::TransducerDrive> drive, Frame& out) const;

@@ -13,9 +13,11 @@
 #include <string>
 #include <utility>
 
+#include "array/layouts/board_types.hpp"
 #include "base/error.hpp"
 #include "base/input_file.hpp"
 #include "driver/guard/channel.hpp"
+#include "driver/lag.hpp"
 #include "driver/plan_tally.hpp"
 #include "driver/sonicsurface/line.hpp"
 #include "driver/sonicsurface/wire.hpp"
@@ -31,16 +33,24 @@ constexpr double late_s = 30e-3;
 struct Port {
   std::string path;
   Firmware firmware = Firmware::plain;
+  double lag = 0;  ///< of the secondary board, in periods
 };
 
-Port parse_port(const std::string& argument) {
+Port parse_port(std::string argument) {
   const std::string tactile = ",tactile";
-  if (argument.empty() || argument == tactile ||
-      (argument.find(',') != std::string::npos && !argument.ends_with(tactile)))
-    throw bad_usage("link sonicsurface takes PORT or PORT,tactile, such as sonicsurface:/dev/ttyUSB0, not '" +
-                    argument + "'");
-  if (argument.ends_with(tactile)) return {argument.substr(0, argument.size() - tactile.size()), Firmware::tactile};
-  return {argument, Firmware::plain};
+  Port port;
+  port.lag = take_lag(argument).value_or(array::find_board_type("sonicsurface")->follower_lag);
+  if (argument.ends_with(tactile)) {
+    argument.resize(argument.size() - tactile.size());
+    port.firmware = Firmware::tactile;
+  }
+  if (argument.empty() || argument.find(',') != std::string::npos) {
+    throw bad_usage(
+        "link sonicsurface takes PORT, PORT,tactile or PORT,lag=PERIODS, such as sonicsurface:/dev/ttyUSB0, not '" +
+        argument + "'");
+  }
+  port.path = argument;
+  return port;
 }
 
 std::size_t boards_of(const array::Layout& layout, Firmware firmware) {
@@ -68,7 +78,7 @@ class SonicSurface final : public Board {
   /// `notes` must outlive this object.
   SonicSurface(const BoardSpec& spec, BoardNotes& notes, const Port& port, std::size_t boards)
       : notes_(notes),
-        encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers)),
+        encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers), port.lag),
         line_(port.path),
         timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
         still_(encoder_.size()),
@@ -256,11 +266,9 @@ class SonicSurface final : public Board {
     silent_ = all_silent_ = false;
   }
 
-  /// Whether bytes that should have left are still in this computer. More than that a serial port cannot know: its board
-  /// never answers.
-  bool stuck() const {
-    return monotonic_s() > line_free_s_ + late_s && (sent_ < out_.size() || !line_.drained());
-  }
+  /// Whether bytes that should have left are still in this computer. More than that a serial port cannot know: its
+  /// board never answers.
+  bool stuck() const { return monotonic_s() > line_free_s_ + late_s && (sent_ < out_.size() || !line_.drained()); }
 
   /// Called when the loaded data has left, according to the line's speed and to the kernel.
   void has_arrived() {
@@ -361,7 +369,7 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
 
 BoardKind board_kind() {
   return {"sonicsurface",
-          "sonicsurface:PORT[,tactile]: SonicSurface boards on a serial port",
+          "sonicsurface:PORT[,tactile][,lag=PERIODS]: SonicSurface boards on a serial port",
           [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
             const Port port = parse_port(spec.argument);
             const std::size_t boards = boards_of(spec.layout, port.firmware);

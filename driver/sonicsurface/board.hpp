@@ -1,5 +1,6 @@
-// SonicSurface boards on a serial port: `sonicsurface:PORT[,tactile]`, one board or, if the layout has two, a primary
-// and a secondary one. docs/boards.md says how the polarity of their transducers is given (--board-files).
+// SonicSurface boards on a serial port: `sonicsurface:PORT[,tactile][,lag=PERIODS]`, one board or, if the layout has
+// two, a primary and a secondary one. docs/boards.md says how the polarity of their transducers is given
+// (--board-files).
 //
 // A frame takes 11.3 ms, so foci that run faster cannot be played. Foci that stand still and are modulated, a single
 // focus or several at once, can be played: one buffer holds their pattern, the other silence, and one byte swaps the

@@ -8,15 +8,18 @@
 
 namespace palpa::driver::sonicsurface {
 
-Encoder::Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees)
-    : boards_(boards), firmware_(firmware), degrees_(std::move(degrees)) {
+Encoder::Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees, double lag)
+    : boards_(boards), firmware_(firmware), degrees_(std::move(degrees)), lag_(lag) {
   degrees_.resize(boards * transducers);
 }
 
 std::uint8_t Encoder::phase_of(std::size_t transducer, float phase) const {
   const int steps = firmware_ == Firmware::plain ? 32 : 16;
-  const double turns = phase / (2 * std::numbers::pi) - degrees_[transducer] / 360.0;
-  const int step = static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps;
+  const double lag = transducer < transducers ? 0 : lag_;
+  const double turns = phase / (2 * std::numbers::pi) - degrees_[transducer] / 360.0 - lag;
+  // The outputs of these slots come a step late.
+  const int late = slot_of(transducer % transducers) % 8 == 3 ? 1 : 0;
+  const int step = (static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) + steps - late) % steps;
   return static_cast<std::uint8_t>(step * (32 / steps));
 }
 

@@ -27,7 +27,7 @@ inline constexpr std::uint8_t begin = 254, swap = 253, primary = 192, secondary 
 enum class Firmware { plain, tactile };
 
 /// The place of a transducer's phase on the wire. Transducer 16 r + c is in column c from the left and row r from the
-/// top.
+/// bottom, seen from the side on which the board emits sound.
 constexpr std::size_t slot_of(std::size_t transducer) {
   constexpr std::size_t within[4][2] = {{0, 4}, {7, 3}, {1, 6}, {2, 5}};
   const std::size_t row = transducer / 16, column = transducer % 16;
@@ -47,8 +47,9 @@ constexpr std::size_t frame_size(std::size_t boards) {
 /// its amplitude is 0. Links get drives in this form (array/played.hpp).
 class Encoder {
  public:
-  /// `degrees` says how late each transducer of all boards sounds. Empty: none is late.
-  Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees = {});
+  /// `degrees` says how late each transducer of all boards sounds. Empty: none is late. `lag` is that of the secondary
+  /// board, in periods (driver/lag.hpp).
+  Encoder(std::size_t boards, Firmware firmware, std::vector<float> degrees = {}, double lag = 0);
 
   std::size_t size() const { return frame_size(boards_); }
   /// Writes a frame, swap included.
@@ -69,6 +70,7 @@ class Encoder {
   std::size_t boards_;
   Firmware firmware_;
   std::vector<float> degrees_;
+  double lag_;
 };
 
 }  // namespace palpa::driver::sonicsurface

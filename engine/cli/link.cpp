@@ -1,13 +1,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
@@ -15,6 +18,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/outputs.hpp"
+#include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "line/values.hpp"
 #include "session/clock.hpp"
@@ -23,6 +27,7 @@
 #include "setup/interrupt.hpp"
 #include "setup/live_run.hpp"
 #include "setup/options.hpp"
+#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -35,7 +40,10 @@ struct LinkCommand {
   std::optional<std::uint32_t> last;
   double each_s = 0.5, rest_s = 0.1, dwell_s = 0.02;
   double amplitude = 1;
+  std::string compare;
 };
+
+constexpr int compared_steps = 16;  // of a period
 
 void add_options_of_link(CLI::App& app, LinkCommand& o) {
   const line::Group group(app, "What to try out");
@@ -51,9 +59,13 @@ void add_options_of_link(CLI::App& app, LinkCommand& o) {
   group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "how long it is silent after each transducer");
   group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "time from one drive to the next");
   group.number("--amplitude", o.amplitude, {0, 1}, "A", "amplitude of the transducer that sounds, 0 to 1");
+  group.point(
+      "--compare", o.compare,
+      "sounds two boards at a time instead, with their focus at this place of the layout's frame, and plays the "
+      "second one earlier in 16 steps of a period: where a microphone there is loudest, they are in phase");
 }
 
-/// Sounds one transducer, or none, for some slots. Returns false once the end is requested.
+/// Sounds a drive, or nothing, for some slots. Returns false once the end is requested.
 class Sweep {
  public:
   Sweep(session::SafeLink& link, std::size_t transducers, double dwell_s)
@@ -61,18 +73,44 @@ class Sweep {
     schedule_.slot_s = dwell_s;
   }
 
-  bool hold(std::optional<std::size_t> transducer, const Vec3& position, float amplitude, double seconds) {
-    std::fill(drive_.begin(), drive_.end(), array::TransducerDrive{0, 0});
+  /// One transducer.
+  bool hold(std::size_t transducer, const Vec3& position, float amplitude, double seconds) {
+    rest();
+    drive_[transducer].amplitude = amplitude;
+    return play(position, seconds);
+  }
+  /// Two boards whose sounds meet at a place, the second one earlier by a part of a period.
+  bool hold(const array::Layout& layout, const array::Board& one, const array::Board& other, const Vec3& place,
+            double earlier, double seconds) {
+    rest();
+    const array::SlotFocus focus{.position = place};
+    const array::Drive all = array::drive_for(layout, {&focus, 1}, {.weighting = array::Weighting::uniform});
+    for (const array::Board* const board : {&one, &other})
+      std::copy_n(all.begin() + board->first, board->count, drive_.begin() + board->first);
+    for (std::uint32_t t = other.first; t < other.first + other.count; ++t) {
+      const double phase = static_cast<double>(drive_[t].phase) - 2 * std::numbers::pi * earlier;
+      drive_[t].phase = static_cast<float>(std::remainder(phase, 2 * std::numbers::pi));
+    }
+    return play(place, seconds);
+  }
+  bool hold_silence(double seconds) {
+    rest();
+    return play(std::nullopt, seconds);
+  }
+
+ private:
+  void rest() { std::fill(drive_.begin(), drive_.end(), array::TransducerDrive{0, 0}); }
+
+  bool play(const std::optional<Vec3>& place, double seconds) {
     schedule_.clear();
-    if (transducer) {
-      drive_[*transducer].amplitude = amplitude;
+    if (place) {
       array::Voice& voice = schedule_.add_voice();
-      voice.foci = {position};
+      voice.foci = {*place};
       voice.order = {0};
       voice.dwell_s = dwell_s_;
     }
     const auto slots = static_cast<std::uint64_t>(std::max(1.0, seconds / dwell_s_));
-    const session::Cycle cycle = transducer ? session::Cycle{session::Plays::pattern, 1} : session::Cycle{};
+    const session::Cycle cycle = place ? session::Cycle{session::Plays::pattern, 1} : session::Cycle{};
     link_.plan({.schedule = schedule_, .slots = {slot_, slot_ + slots, cycle}, .drives = drive_});
     for (std::uint64_t i = 0; i < slots; ++i) {
       if (setup::Interrupt::flag()) return false;
@@ -84,7 +122,6 @@ class Sweep {
     return true;
   }
 
- private:
   session::SafeLink& link_;
   array::Drive drive_;
   array::Schedule schedule_;
@@ -92,6 +129,57 @@ class Sweep {
   session::Clock clock_;
   std::uint64_t slot_ = 0;
 };
+
+/// Sounds one transducer after the other. Returns how many.
+std::uint32_t sweep_transducers(Sweep& sweep, const LinkCommand& o, std::uint32_t last, const array::Layout& own,
+                                const array::Layout& posed, bool tells) {
+  std::uint32_t played = 0;
+  for (std::uint32_t t = o.first; t <= last; ++t) {
+    if (tells) {
+      const Vec3& at = own.transducers[t].position;
+      write_file("-", fmt::format("{} at {:.1f}, {:.1f}, {:.1f} mm\n", t, 1e3 * at.x, 1e3 * at.y, 1e3 * at.z));
+    }
+    if (!sweep.hold(t, posed.transducers[t].position, static_cast<float>(o.amplitude), o.each_s)) break;
+    ++played;
+    if (o.rest_s > 0 && !sweep.hold_silence(o.rest_s)) break;
+  }
+  return played;
+}
+
+Vec3 place_of(const std::string& text) {
+  const auto [x, y, z] = line::parse_point("--compare", text);
+  return {x, y, z};
+}
+
+/// Sounds the first board with each other one, in steps of a period. Returns how many steps.
+std::uint32_t compare_boards(Sweep& sweep, const LinkCommand& o, const array::Layout& own, const array::Layout& posed,
+                             bool tells) {
+  const Vec3 place = transform_point(own.default_T_world_layout, place_of(o.compare));
+  std::uint32_t played = 0;
+  for (std::size_t board = 1; board < posed.boards.size(); ++board) {
+    for (int step = 0; step < compared_steps; ++step) {
+      const double earlier = static_cast<double>(step) / compared_steps;
+      if (tells)
+        write_file("-",
+                   fmt::format("boards 1 and {}, board {} earlier by {:.4f} periods\n", board + 1, board + 1, earlier));
+      if (!sweep.hold(posed, posed.boards[0], posed.boards[board], place, earlier, o.each_s)) return played;
+      ++played;
+      if (o.rest_s > 0 && !sweep.hold_silence(o.rest_s)) return played;
+    }
+  }
+  return played;
+}
+
+void check_compare(const LinkCommand& o, const array::Layout& layout, const std::string& name) {
+  if (o.compare.empty()) return;
+  if (o.first != 0 || o.last || o.amplitude != 1)
+    throw bad_usage("--compare sounds whole boards at full amplitude: leave out --first, --last and --amplitude");
+  if (layout.boards.size() < 2) {
+    throw bad_usage(fmt::format("--compare needs two boards, and the layout {} has {}", name,
+                                counted(layout.boards.size(), "board")));
+  }
+  setup::refuse_place(layout, place_of(o.compare), "--compare");
+}
 
 void run_link(const Extensions& extensions, const LinkCommand& o) {
   if (o.what != "test") throw bad_usage("give palpa link test, which is the only form of this command");
@@ -111,6 +199,7 @@ void run_link(const Extensions& extensions, const LinkCommand& o) {
     throw bad_usage(fmt::format("--first {} --last {}: the layout {} has the transducers 0 to {}", o.first, last,
                                 layout_name, end - 1));
   }
+  check_compare(o, own, layout_name);
   const Outputs outputs({{"--json", o.common.json}, {"--link", session::file_of_link(o.link, links)}});
   const bool tells = setup::shows_summary(o.common, outputs);
   const std::vector<std::string> nothing_solid;
@@ -123,16 +212,8 @@ void run_link(const Extensions& extensions, const LinkCommand& o) {
   log::release_warnings();
   session::SafeLink safe(*link, layout.transducers.size(), {}, o.dwell_s);
   Sweep sweep(safe, layout.transducers.size(), o.dwell_s);
-  std::uint32_t played = 0;
-  for (std::uint32_t t = o.first; t <= last; ++t) {
-    if (tells) {
-      const Vec3& at = own.transducers[t].position;
-      write_file("-", fmt::format("{} at {:.1f}, {:.1f}, {:.1f} mm\n", t, 1e3 * at.x, 1e3 * at.y, 1e3 * at.z));
-    }
-    if (!sweep.hold(t, layout.transducers[t].position, static_cast<float>(o.amplitude), o.each_s)) break;
-    ++played;
-    if (o.rest_s > 0 && !sweep.hold(std::nullopt, {}, 0, o.rest_s)) break;
-  }
+  const std::uint32_t played = !o.compare.empty() ? compare_boards(sweep, o, own, layout, tells)
+                                                  : sweep_transducers(sweep, o, last, own, layout, tells);
   safe.finish();
   relay.reset();
   if (!o.common.json.empty()) {

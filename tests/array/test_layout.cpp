@@ -71,13 +71,13 @@ TEST(Layout, Autd3HasTheOrderOfItsMakersTable) {
   }
 }
 
-TEST(Layout, OpenmpdCountsColumnsDownwardsAndSonicsurfaceRowsFromTheTop) {
+TEST(Layout, OpenmpdCountsColumnsDownwardsAndSonicsurfaceRowsFromTheBottom) {
   const Layout openmpd = load_layout("openmpd"), sonicsurface = load_layout("sonicsurface");
   for (int row = 0; row < 16; ++row) {
     for (int column = 0; column < 16; ++column) {
-      const Vec3 place((column - 7.5) * 0.0105, (7.5 - row) * 0.0105, 0);
-      expect_near(openmpd.transducers[16 * column + row].position, place);
-      expect_near(sonicsurface.transducers[16 * row + column].position, place);
+      const double x = (column - 7.5) * 0.0105, y = (row - 7.5) * 0.0105;
+      expect_near(openmpd.transducers[16 * column + row].position, Vec3(x, -y, 0));
+      expect_near(sonicsurface.transducers[16 * row + column].position, Vec3(x, y, 0));
     }
   }
 }

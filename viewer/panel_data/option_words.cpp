@@ -1,8 +1,11 @@
 #include "viewer/panel_data/option_words.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <iterator>
 
+#include "array/layouts/board_types.hpp"
 #include "base/units.hpp"
 
 namespace palpa::viewer {
@@ -31,8 +34,7 @@ constexpr Entry entries[] = {
      "Writes a line of JSON when a finger touches, moves on, presses or releases"},
     {"--event-move", "event's move", "mm"},
     {"--link", "link", "", FieldKind::link,
-     "Where drives go: null (nowhere), record: and a file, foci:udp: with host and port, or a board: openmpd: with "
-     "serial numbers, sonicsurface: with a serial port, autd3: with a server's host and port"},
+     "Where drives go: null (nowhere), record: and a file, foci:udp: with host and port, or a board: "},
     {"--board-files", "boards' own files", "", FieldKind::folder},
     {"--every-frame", "process every frame"},
     {"--record", "record to", "", FieldKind::new_folder,
@@ -130,12 +132,21 @@ constexpr Meaning meanings[] = {
     {"--validation", "gpu-assisted", "checks also what kernels read and write, and is slow"},
 };
 
+/// "autd3: with a server's host and port, ..."
+std::string boards() {
+  std::string all;
+  for (const array::BoardType& type : array::board_types())
+    all += fmt::format("{}{}: with {}", all.empty() ? "" : ", ", type.name, type.link_words);
+  return all;
+}
+
 }  // namespace
 
 OptionWords words_of(const line::OptionInfo& info) {
   const auto* const known = std::ranges::find(entries, info.name, &Entry::name);
   if (known != std::end(entries)) {
-    const std::string about = known->about != nullptr ? known->about : info.help;
+    std::string about = known->about != nullptr ? known->about : info.help;
+    if (known->kind == FieldKind::link) about += boards();
     return {info.name, known->label, known->unit, about, known->kind};
   }
   std::string label = info.name.substr(std::min<std::size_t>(2, info.name.size()));

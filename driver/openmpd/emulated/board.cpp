@@ -127,7 +127,7 @@ void EmulatedBoard::unplugged(double now_s) {
   fpga_.begin_resync(now_s);
 }
 
-array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration) {
+array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration, double late_periods) {
   array::Drive drive(transducers);
   for (unsigned pin = 0; pin < pulses.size(); ++pin) {
     const std::size_t transducer = transducer_at(pin);
@@ -137,8 +137,9 @@ array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration) {
       harmonic += std::polar(1.0, 2 * std::numbers::pi * middle_of_count / 128);
     }
     // Half a period centred on count 32 is full amplitude at phase 0. The transducer adds its own delay.
-    harmonic *= std::sin(std::numbers::pi / 128) *
-                std::polar(1.0, calibration.degrees[transducer] * std::numbers::pi / 180 - std::numbers::pi / 2);
+    harmonic *=
+        std::sin(std::numbers::pi / 128) * std::polar(1.0, calibration.degrees[transducer] * std::numbers::pi / 180 +
+                                                               (2 * late_periods - 0.5) * std::numbers::pi);
     if (pulses[pin].width == 0) continue;
     drive[transducer] = {static_cast<float>(std::abs(harmonic)), static_cast<float>(std::arg(harmonic))};
   }

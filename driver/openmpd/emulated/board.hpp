@@ -52,6 +52,6 @@ class EmulatedBoard final : public usb::Peripheral {
 
 /// The drive of that board's transducers, in layout order: each pulse's first harmonic relative to a centred one of
 /// half a period, with the transducer's own offset. A transducer that is off has phase 0.
-array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration);
+array::Drive heard_drive(const Pulses& pulses, const Calibration& calibration, double late_periods = 0);
 
 }  // namespace palpa::driver::openmpd

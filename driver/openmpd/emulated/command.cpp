@@ -32,9 +32,9 @@ namespace {
 
 /// A board, its socket, its trace.
 struct Emulated {
-  Emulated(const Address& address, usb::ftdi::Channel channel, const Calibration& its_calibration,
+  Emulated(const Address& address, usb::ftdi::Channel channel, const Calibration& its_calibration, double its_lag,
            const OpenFile* trace, bool alone)
-      : board(address.serial, channel), calibration(its_calibration) {
+      : board(address.serial, channel), calibration(its_calibration), lag(its_lag) {
     if (trace != nullptr) tap.emplace(*trace, alone ? "" : address.serial);
     server = std::make_unique<usb::LocalServer>(board, tap ? &*tap : nullptr);
   }
@@ -42,6 +42,7 @@ struct Emulated {
 
   EmulatedBoard board;
   Calibration calibration;
+  double lag;  ///< periods
   std::optional<emulate::UsbTrace> tap;
   std::unique_ptr<usb::LocalServer> server;
   std::size_t told = 0;  ///< how many of its violations have been printed
@@ -61,7 +62,8 @@ class BoardsPicture {
   void take() {
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 0; i < boards_.size(); ++i) {
-      const array::Drive heard = heard_drive(boards_[i]->board.fpga().pulses(), boards_[i]->calibration);
+      const array::Drive heard =
+          heard_drive(boards_[i]->board.fpga().pulses(), boards_[i]->calibration, boards_[i]->lag);
       std::copy(heard.begin(), heard.end(), drive_.begin() + static_cast<std::ptrdiff_t>(i * transducers));
     }
   }
@@ -165,7 +167,7 @@ void judge(std::span<const std::unique_ptr<Emulated>> boards) {
 }  // namespace
 
 void emulate(const emulate::Options& options, const Outputs& outputs) {
-  const std::vector<Address> addresses = parse_addresses(options.serials.empty() ? "EMU1" : options.serials);
+  const std::vector<Address> addresses = parse_boards(options.serials.empty() ? "EMU1" : options.serials).addresses;
   std::vector<BoardFile> files;
   if (!options.files.empty()) files = read_board_files(options.files);
   std::optional<array::Layout> layout;
@@ -178,8 +180,12 @@ void emulate(const emulate::Options& options, const Outputs& outputs) {
   boards.reserve(addresses.size());
   for (const Address& address : addresses) {
     const auto channel = options.uart ? usb::ftdi::Channel::uart : usb::ftdi::Channel::fifo;
+    // The counter of a slave begins 19.04 us after the master's. A board's file contains it.
+    constexpr double slave_lag = 19.04 / 25;
+    const bool has_file = std::ranges::find(files, address.serial, &BoardFile::serial) != files.end();
     boards.push_back(std::make_unique<Emulated>(address, channel, calibration_of(files, address.serial),
-                                                trace ? &*trace : nullptr, addresses.size() == 1));
+                                                boards.empty() || has_file ? 0 : slave_lag, trace ? &*trace : nullptr,
+                                                addresses.size() == 1));
   }
   for (const auto& one : boards)
     write_file("-", one->server->address().string() + "\n");

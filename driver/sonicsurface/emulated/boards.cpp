@@ -93,6 +93,14 @@ int EmulatedBoards::sounding(std::size_t board, std::size_t transducer) const {
   return silent;
 }
 
+double EmulatedBoards::late_periods(std::size_t board, std::size_t transducer) const {
+  std::size_t slot = 0;
+  while (transducer_at(slot) != transducer)
+    ++slot;
+  const double step = tactile_ ? 1.0 / 16 : 1.0 / 32;
+  return (slot % 8 == 3 ? step : 0) + (board > 0 ? 12.92 / 25 : 0);
+}
+
 bool EmulatedBoards::all_silent() const {
   return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return quiet(b.buffers[b.front]); });
 }

@@ -24,8 +24,12 @@ class EmulatedBoards {
   void set_baud(double now_s, double baud);
   void take(double now_s, std::span<const std::uint8_t> bytes);
 
-  /// The phase of a transducer in layout order (16 r + c, r from the top), in 1/32 turns, or `silent`.
+  /// The phase that a transducer has been sent, in layout order (16 r + c, r from the bottom as seen from the side on
+  /// which it emits sound), in 1/32 turns, or `silent`.
   int sounding(std::size_t board, std::size_t transducer) const;
+  /// How much later than that it sounds, in periods: an output of each shift register comes one step late, and the
+  /// secondary board runs 12.92 us after the primary one.
+  double late_periods(std::size_t board, std::size_t transducer) const;
   bool all_silent() const;
   /// Whether nothing would sound after the next swap of the buffers.
   bool all_silent_behind() const;

@@ -31,8 +31,9 @@ array::Layout layout_of(const emulate::Options& options) {
 array::Drive heard_drive(const EmulatedBoards& machine, std::span<const float> degrees, std::size_t boards) {
   array::Drive drive;
   for (std::size_t t = 0; t < boards * EmulatedBoards::slots; ++t) {
-    const int phase = machine.sounding(t / EmulatedBoards::slots, t % EmulatedBoards::slots);
-    const double late = degrees.empty() ? 0 : degrees[t] / 360.0;
+    const std::size_t board = t / EmulatedBoards::slots, own = t % EmulatedBoards::slots;
+    const int phase = machine.sounding(board, own);
+    const double late = (degrees.empty() ? 0 : degrees[t] / 360.0) + machine.late_periods(board, own);
     const double turns = phase / 32.0 + late;
     const bool sounds = phase != EmulatedBoards::silent;
     drive.push_back({sounds ? 1.0f : 0.0f, static_cast<float>(sounds ? 2 * std::numbers::pi * turns : 0)});

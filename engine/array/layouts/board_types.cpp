@@ -28,22 +28,24 @@ void add_autd3(std::vector<Vec3>& places) {
   }
 }
 
-// The 16 x 16 boards: 10.5 mm, columns left to right, rows from the top.
+// The 16 x 16 boards: 10.5 mm, seen from the side on which they emit sound.
 constexpr int square_side = 16;
 constexpr double square_pitch = 0.0105;
 constexpr double square_width = square_side * square_pitch;
 
-Vec3 square_place(int column, int row) {
-  return {(column - 7.5) * square_pitch, (7.5 - row) * square_pitch, 0.0};
+Vec3 square_place(int right, int up) {
+  return {(right - 7.5) * square_pitch, (up - 7.5) * square_pitch, 0.0};
 }
 
+/// Down a column, then the next one to the right.
 void add_openmpd(std::vector<Vec3>& places) {
   for (int column = 0; column < square_side; ++column) {
     for (int row = 0; row < square_side; ++row)
-      places.push_back(square_place(column, row));
+      places.push_back(square_place(column, square_side - 1 - row));
   }
 }
 
+/// Along a row, from the bottom. On the side with the components, row 0 is at the top.
 void add_sonicsurface(std::vector<Vec3>& places) {
   for (int row = 0; row < square_side; ++row) {
     for (int column = 0; column < square_side; ++column)
@@ -122,6 +124,7 @@ constexpr BoardType types[] = {
      .null_depth = 0.004,
      .amplitudes = openmpd_amplitudes,
      .few_amplitudes = 0.25,
+     .follower_lag = 0.762,
      .link_words = "serial numbers"},
     {.name = "sonicsurface",
      .title = "SonicSurface",
@@ -132,6 +135,7 @@ constexpr BoardType types[] = {
      .phase_steps = 32,
      .null_depth = 0.0126,
      .turn = sonicsurface_turn,
+     .follower_lag = 16.5 / 32,
      .link_words = "a serial port"},
 };
 

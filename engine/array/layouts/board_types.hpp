@@ -29,6 +29,8 @@ struct BoardType {
   std::uint32_t (*turn)(std::uint32_t transducer) = nullptr;
   /// Below this amplitude it has too few steps for deep nulls; 0: never.
   double few_amplitudes = 0;
+  /// How late each further board of an array runs after the first one, in periods, by the source of its firmware.
+  double follower_lag = 0;
   std::string_view link_words;  ///< the argument of its link, for people: "a serial port"
 
   bool has_amplitudes() const { return amplitudes != nullptr; }

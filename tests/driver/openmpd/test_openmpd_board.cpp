@@ -66,6 +66,38 @@ TEST(OpenMpdBoard, EachTransducerSoundsAsTheDriveAsksAndAsItsFileCorrects) {
   }
 }
 
+/// A slave runs 19.04 us after its master. A board's own file contains that.
+TEST(OpenMpdBoard, ASlaveWithoutAFileGetsItsPhasesEarlierByItsLag) {
+  const auto folder = scratch_folder("openmpd-lag");
+  write_text(folder / "board_2.pat", board_file_text("EMU2", {}));
+  const struct {
+    const char* argument;
+    bool file;
+    double lag;
+    std::size_t told;
+  } cases[] = {{"EMU1,EMU2", false, 0.762, 1},
+               {"EMU1,EMU2", true, 0, 0},
+               {"EMU1,EMU2,lag=0.25", false, 0.25, 0},
+               {"EMU1,EMU2,lag=0", false, 0, 0},
+               {"EMU1,EMU2,lag=0.25", true, 0.25, 0}};
+  for (const auto& [argument, file, lag, told] : cases) {
+    OpenMpdRig rig({"EMU1", "EMU2"});
+    rig.argument = argument;
+    if (file) rig.files = folder.string();
+    rig.open();
+    rig.play(array::Drive(512, {1.0f, 0.0f}), rig.slot_s);
+    for (std::size_t board = 0; board < 2; ++board) {
+      const array::Drive heard = openmpd::heard_drive(rig.fpga(board).pulses(), {}, board == 0 ? 0 : lag);
+      for (const array::TransducerDrive& one : heard)
+        ASSERT_NEAR(std::remainder(one.phase, 2 * pi), 0, pi / 128 + 1e-5) << argument << file << board;
+    }
+    const auto tells = [](const std::string& line) { return line.find("has no file") != line.npos; };
+    EXPECT_EQ(static_cast<std::size_t>(std::ranges::count_if(rig.notes.infos, tells)), told) << argument << file;
+  }
+  for (const char* wrong : {"EMU1,EMU2,lag=1", "EMU1,EMU2,lag=-0.1", "EMU1,EMU2,lag=", "EMU1,lag=x"})
+    EXPECT_ERROR(openmpd::parse_boards(wrong), Exit::usage, "a number from 0 to below 1");
+}
+
 TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
   OpenMpdRig rig;
   rig.open();

@@ -68,10 +68,15 @@ inline array::Drive some_drive(std::size_t boards) {
   return drive;
 }
 
-inline int expected_phase(const array::TransducerDrive& t, int steps) {
-  if (t.amplitude == 0) return driver::sonicsurface::EmulatedBoards::silent;
-  const double turns = t.phase / (2 * std::numbers::pi);
-  return static_cast<int>(std::floor(steps * (turns - std::floor(turns)) + 0.5)) % steps * (32 / steps);
+/// Whether the transducer sounds as the drive asks, to the nearest of that many phase steps.
+inline bool sounds_as(const driver::sonicsurface::EmulatedBoards& machine, std::size_t board, std::size_t transducer,
+                      const array::TransducerDrive& wanted, int steps = 32) {
+  const int phase = machine.sounding(board, transducer);
+  if (wanted.amplitude == 0 || phase == driver::sonicsurface::EmulatedBoards::silent)
+    return (wanted.amplitude == 0) == (phase == driver::sonicsurface::EmulatedBoards::silent);
+  const double heard = phase / 32.0 + machine.late_periods(board, transducer);
+  const double off = std::remainder(heard - wanted.phase / (2 * std::numbers::pi), 1.0);
+  return std::abs(off) * steps < 0.55;  // the secondary's lag is not a whole number of steps
 }
 
 /// A line, and a board on it as its guard has it.
@@ -120,7 +125,7 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   }
   bool plays(const array::Drive& wanted) const {
     for (std::size_t t = 0; t < driver::sonicsurface::transducers; ++t) {
-      if (machine.sounding(0, t) != expected_phase(wanted[t], 32)) return false;
+      if (!sounds_as(machine, 0, t, wanted[t])) return false;
     }
     return true;
   }
