@@ -44,7 +44,7 @@ void Player::play_until(std::uint64_t end, const Plan& plan, const std::atomic<b
     const auto drive = drive_of_slot(plan, slot_, now_s, setting_, scratch_);
     silent ? safe_.send(slot_, drive) : safe_.send_planned(slot_, drive);
     ++drives_;
-    silent_drives_ += silent ? 1 : 0;
+    silent_drives_ += safe_.sounded() ? 0 : 1;
     silent_slots_ = silent && !safe_.must_fade() ? silent_slots_ + 1 : 0;
   }
 }

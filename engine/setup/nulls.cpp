@@ -190,7 +190,7 @@ std::string doubt_of_boards(const std::string& link, const array::Layout& layout
     return fmt::format(
         "--null: below {:g} of the full amplitude, the boards of --link {} have few amplitudes: nulls are only 20 to "
         "40 dB below the foci; with --constraint uniform, they are about 50 dB below",
-        type->few_amplitudes, type->name);
+        gain, type->name);
   }
   return {};
 }

@@ -217,6 +217,7 @@ void SafeLink::hand_over(std::uint64_t slot, std::span<const array::TransducerDr
                          bool planned) {
   planned ? link_.send_planned(slot, drive) : link_.send(slot, drive);
   next_slot_ = slot + 1;  // the slot is taken, even if the observer throws
+  sounded_ = audible;
   if (sent_) sent_(audible, handed_over());
 }
 

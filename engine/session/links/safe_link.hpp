@@ -61,6 +61,8 @@ class SafeLink final : public Link {
   void send_planned(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     send(slot, drive, true);
   }
+  /// Whether the last drive that the link got sounds.
+  bool sounded() const { return sounded_; }
   /// The slot after the last one sent.
   std::uint64_t next_slot() const { return next_slot_; }
 
@@ -101,7 +103,7 @@ class SafeLink final : public Link {
   array::Drive silence_;
   std::uint64_t next_slot_ = 0;
   Passed passed_;  ///< drives and plans that the link got
-  bool ended_ = false;
+  bool ended_ = false, sounded_ = false;
 
   /// What a plan has besides its slots.
   struct Sound {

@@ -119,7 +119,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     } else {
       safe.send_planned(slot, drive_of_slot(plan, slot, now_s, setting, scratch));
     }
-    stats.sent(std::max(now_s - due_s, 0.0), silent);
+    stats.sent(std::max(now_s - due_s, 0.0), !safe.sounded());
     // Late by a whole slot or more: the slots in between are over.
     const auto running = static_cast<std::uint64_t>(std::floor((clock.now() - begin_s) / setting.slot_s));
     if (running > slot + 1) stats.skipped(running - slot - 1);

@@ -9,14 +9,15 @@
 
 namespace palpa::session {
 
-std::optional<std::string> unreached(const array::Schedule& schedule, std::span<const std::string> solid_names) {
+std::optional<std::string> unreached(const array::Schedule& schedule, std::span<const std::string> solid_names,
+                                     const char* why) {
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
     const double asked = voice.pressure_pa * voice.gain;
     if (!voice.reached_pa || is_reached(asked, *voice.reached_pa)) continue;
     return fmt::format(
-        "finger {} on {} has {:.0f} Pa of the {:.0f} Pa that are asked for: the array cannot give more{}", voice.id,
-        voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, asked,
+        "finger {} on {} has {:.0f} Pa of the {:.0f} Pa that are asked for: {}{}", voice.id,
+        voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, asked, why,
         schedule.voice_count > 1 ? " while other fingers sound" : "");
   }
   return std::nullopt;
@@ -44,7 +45,8 @@ void PressureLog::planned(const array::Schedule& schedule, const array::Schedule
     ++finger->frames;
   }
   if (warned_) return;
-  const std::optional<std::string> fault = unreached(schedule, solid_names_);
+  std::optional<std::string> fault = unreached(schedule, solid_names_);
+  if (!fault && played) fault = unreached(*played, solid_names_, "its boards have no amplitude nearer to it");
   warned_ = fault.has_value();
   if (fault) log::warning(*fault + "; this warning comes once, and the stats have every finger");
 }

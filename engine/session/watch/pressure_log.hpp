@@ -31,8 +31,9 @@ constexpr bool is_reached(double asked_pa, double reached_pa) {
 }
 
 /// A sentence about the first finger of the schedule that does not reach its requested pressure, with the pressure that
-/// it gets. Empty if all fingers reach theirs. `solid_names` by solid index.
-std::optional<std::string> unreached(const array::Schedule& schedule, std::span<const std::string> solid_names);
+/// it gets and why. Empty if all fingers reach theirs. `solid_names` by solid index.
+std::optional<std::string> unreached(const array::Schedule& schedule, std::span<const std::string> solid_names,
+                                     const char* why = "the array cannot give more");
 
 /// Whether any voice has more pressure than linear acoustics holds for.
 bool beyond_linear(const array::Schedule& schedule);

@@ -199,12 +199,12 @@ class Prediction {
     }
     return 0;
   }
-
- private:
   bool is_silent(double ceiling) const {
     return std::ranges::any_of(
         layouts_, [&](const array::Layout& layout) { return !array::BoardPlay(layout).sounds_at(ceiling); });
   }
+
+ private:
   /// Three decimals, and two digits of what is smaller.
   static double rounded_down(double ceiling) {
     const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(ceiling)) - 1));
@@ -264,7 +264,7 @@ EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, 
   assert(objects.size() == plan.shapes.size());
   const Prediction prediction(plan, objects, placed);
   EarLevel level = prediction.at(plan.level.ceiling);
-  if (plan.level.measured_db) {
+  if (plan.level.measured_db && !prediction.is_silent(plan.level.measured_ceiling)) {
     const double then_db = plan.level.measured_ceiling == plan.level.ceiling
                                ? level.predicted_db()
                                : prediction.at(plan.level.measured_ceiling).predicted_db();
