@@ -80,9 +80,9 @@ class SceneReader {
     for (const std::uint32_t n : document_.shown)
       add(n, model_.nodes[n]);
     if (vanished_count_ > 0) {
-      log::warning(fmt::format(
-          "{}: {}{} a scale of zero along all axes; palpa leaves out what is hidden so", scene_.file, first_vanished_,
-          vanished_count_ == 1 ? " has" : fmt::format(" and {} others have", vanished_count_ - 1)));
+      log::warning(fmt::format("{}: {}{} left out: a scale of zero along all axes hides a mesh", scene_.file,
+                               first_vanished_,
+                               vanished_count_ == 1 ? " is" : fmt::format(" and {} others are", vanished_count_ - 1)));
     }
     return std::move(scene_);
   }
@@ -206,7 +206,7 @@ class SceneReader {
 
   // The mesh of node `n`, or an instance of it.
   void place(const std::string& where, const std::string& name, std::uint32_t n, const Transform& T_world_mesh) {
-    // Exporters hide objects so.
+    // Exporters write hidden objects so.
     if (glm::dmat3(T_world_mesh) == glm::dmat3(0)) {
       if (vanished_count_++ == 0) first_vanished_ = where;
       return;

@@ -35,7 +35,7 @@ class DataChecker {
   void check_rest();
 
  private:
-  // Of an accessor's elements; sizes in bytes.
+  // An accessor's elements; sizes in bytes.
   struct Elements {
     std::uint64_t count, component_size, size;
   };

@@ -27,9 +27,9 @@ struct BufferSource {
 struct Document {
   static constexpr std::uint32_t no_parent = 0xffffffffU;
 
-  /// Valid glTF except that it has no list of buffers, and that items which the scene does not need are empty. Indices
-  /// are the file's own, but a mesh has only its primitives of triangles. Of the extensions of primitives, it has those
-  /// that palpa must use; buffer views in it are unpacked.
+  /// Valid glTF, except that it has no list of buffers and that items which the scene does not need are empty. Indices
+  /// are the file's own, but a mesh has only its primitives of triangles. A primitive has the extension for draco only
+  /// if palpa must use it. Buffer views are unpacked ones.
   Json json{};
   std::vector<BufferSource> buffers{};         ///< the file's, then one for each buffer view to unpack
   std::vector<std::uint32_t> shown{};          ///< the scene's nodes with a mesh, depth-first
