@@ -211,8 +211,8 @@ class SceneReader {
       if (vanished_count_++ == 0) first_vanished_ = where;
       return;
     }
-    const bool mirrored = handedness(where, T_world_mesh) < 0;
     SceneMesh out = begin(name, n, nullptr);
+    const bool mirrored = handedness(where, T_world_mesh) < 0;
     for (Vec3& p : out.mesh.positions)
       p = transform_point(T_world_mesh, p);
     if (mirrored) flip(out.mesh);
