@@ -13,6 +13,10 @@ find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
+# Its header is compiled into palpa (engine/geometry/gltf/model.cpp), and says the version.
+file(STRINGS ${TINYGLTF_INCLUDE_DIR}/tiny_gltf.h TINYGLTF_VERSION REGEX "- v[0-9]" LIMIT_COUNT 1)
+string(REGEX MATCH "[0-9]+[.][0-9.]*[0-9]" TINYGLTF_VERSION "${TINYGLTF_VERSION}")
 find_path(GLM_INCLUDE_DIR glm/glm.hpp REQUIRED)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(LIBMD REQUIRED IMPORTED_TARGET libmd)
@@ -61,7 +65,7 @@ set(PALPA_LIBRARIES "")
 foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "draco ${draco_VERSION}" "fmt ${fmt_VERSION}" "GLFW ${glfw3_VERSION}"
                          "liblo ${LIBLO_VERSION}" "libmd ${LIBMD_VERSION}" "libpng ${PNG_VERSION_STRING}" "libusb ${LIBUSB_VERSION}"
                          "lz4 ${LZ4_VERSION}" "meshoptimizer ${meshoptimizer_VERSION}" "nlohmann-json ${nlohmann_json_VERSION}"
-                         "OpenBLAS ${OPENBLAS_VERSION}" "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "toml++ ${tomlplusplus_VERSION}"
+                         "OpenBLAS ${OPENBLAS_VERSION}" "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "tinygltf ${TINYGLTF_VERSION}" "toml++ ${tomlplusplus_VERSION}"
                          "Vulkan ${Vulkan_VERSION}" "zlib ${ZLIB_VERSION_STRING}")
   if(library MATCHES " [0-9]")
     string(APPEND PALPA_LIBRARIES "${library}, ")

@@ -224,7 +224,7 @@ TEST(Gltf, GpuInstancesAreMeshesOfTheirOwn) {
 TEST(Gltf, FaultsOfInstancesAreNamed) {
   GltfBuilder good = instanced_file();
   const std::string tilted = std::to_string(good.add_view(test::bytes_of(std::vector<float>(12, 0.1F))));
-  const std::string zeros = std::to_string(good.add_view(test::bytes_of(std::vector<float>(9, 0))));
+  const std::string flat = std::to_string(good.add_view(test::bytes_of(std::vector<float>{1, 0, 1, 1, 1, 1, 1, 1, 1})));
   const std::string attributes = "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes";
   expect_faults(good, {{attributes + "/SCALE", "99", "names accessor 99"},
                        {"/accessors/3/count", "2", "has 3 instances, but 2 of ROTATION"},
@@ -233,7 +233,7 @@ TEST(Gltf, FaultsOfInstancesAreNamed) {
                        {"/accessors/2/count", "1000000000", "does not fit its buffer view"},
                        {attributes, "{}", "has neither TRANSLATION nor ROTATION nor SCALE"},
                        {"/accessors/3/bufferView", tilted, "instance 0: its rotation is not a unit quaternion"},
-                       {"/accessors/4/bufferView", zeros, "node 0, instance 0: its scale is zero"}});
+                       {"/accessors/4/bufferView", flat, "node 0, instance 0: its scale is zero"}});
 }
 
 TEST(Gltf, HiddenNodesStayTouchableWithAWarning) {
@@ -247,6 +247,32 @@ TEST(Gltf, HiddenNodesStayTouchableWithAWarning) {
   EXPECT_EQ(warnings_of(builder, 2), "");
   builder.doc["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = 0;
   EXPECT_CONTAINS(fault_of(builder), "\"visible\" is neither true nor false");
+}
+
+TEST(Gltf, AScaleOfZeroAlongAllAxesHidesAMesh) {
+  GltfBuilder builder = cube_file();
+  const int child = builder.add_node({{"mesh", 0}, {"translation", {1, 2, 3}}}, false);
+  builder.add_node({{"mesh", 0}, {"scale", {0, 0, 0.0}}, {"name", "hidden"}, {"children", {child}}});
+  builder.add_node({{"mesh", 0}, {"name", "shown"}});
+  EXPECT_EQ(load(builder).meshes.at(0).name, "shown");
+  EXPECT_CONTAINS(warnings_of(builder), "node 1 and 1 others are left out: a scale of zero along all axes");
+  // As a matrix.
+  builder.doc["nodes"][1].erase("children");
+  builder.doc["nodes"][1].erase("scale");
+  builder.doc["nodes"][1]["matrix"] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 5, 6, 7, 1};
+  EXPECT_CONTAINS(warnings_of(builder), "node 1 is left out");
+  // One of three instances.
+  GltfBuilder crates = instanced_file();
+  const int scales = crates.add_view(test::bytes_of(std::vector<float>{1, 1, 1, 0, 0, 0, 2, 2, 2}));
+  crates.doc["accessors"][4]["bufferView"] = scales;
+  EXPECT_CONTAINS(warnings_of(crates, 2), "node 0, instance 1 is left out");
+  EXPECT_EQ(load(crates).meshes.at(1).name, "crate[2]");
+  // Two axes are no way to hide anything.
+  GltfBuilder flat = cube_file();
+  flat.add_node({{"mesh", 0}, {"scale", {0, 1, 0}}});
+  EXPECT_CONTAINS(fault_of(flat), "node 0: its scale is zero along some direction");
+  flat.doc["nodes"][0]["scale"] = {0, 0, 0};
+  EXPECT_CONTAINS(fault_of(flat), "no triangle mesh");
 }
 
 TEST(Gltf, InstancesOfAnotherProgramAreRead) {

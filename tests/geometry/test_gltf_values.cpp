@@ -211,6 +211,8 @@ TEST_F(GltfSkin, FollowsTheBones) {
     const Vec3 expected = p.y < 1 ? p + Vec3(0, 5, 0) : Vec3(0, 6, 0) + 2.0 * (p - Vec3(0, 1, 0));
     EXPECT_LT(glm::distance(mesh.positions[v], expected), 1e-6) << v;
   }
+  builder.doc["nodes"][0]["scale"] = {0, 0, 0};
+  EXPECT_EQ(warnings_of(builder), "");
 }
 
 TEST_F(GltfSkin, SparseWeightsAndBindMatricesBeginWithZeros) {

@@ -45,15 +45,16 @@ struct Scene {
 /// file's weights. Points and lines are skipped. Haptics come from the nodes' extras (docs/scenes.md).
 ///
 /// Throws bad_input, one line naming file and fault: unreadable, malformed, out-of-range indices, non-finite positions,
-/// a node loop, zero scale, haptics out of range, a required extension that is not supported (by name; those of
-/// materials, textures and lights are harmless), an absent scene, compressed data that cannot be unpacked or hold more
-/// than the file promises, more than 2 million triangles or 6 million vertices (instances counted), 256 MiB of buffers
-/// (packed and unpacked together), 64 MiB of JSON or 50 000 nodes, meshes, primitives or accessors.
+/// a node loop, a scale of zero along one or two axes, haptics out of range, a required extension that is not supported
+/// (by name; those of materials, textures and lights are harmless), an absent scene, compressed data that cannot be
+/// unpacked or hold more than the file promises, more than 2 million triangles or 6 million vertices (instances
+/// counted), 256 MiB of buffers (packed and unpacked together), 64 MiB of JSON or 50 000 nodes, meshes, primitives or
+/// accessors.
 ///
 /// Faults that do not affect the scene's geometry (textures, wrong min/max, meshes that no node shows) are warnings; if
-/// the scene has no mesh at all, they are the error. Unknown palpa extras, compressed data that hold fewer or more
-/// vertices than promised, and hidden nodes (KHR_node_visibility), which are touchable nevertheless, are warnings.
-/// Never blocks on devices or pipes.
+/// the scene has no mesh at all, they are the error. A mesh with a scale of zero along all axes is hidden: it is left
+/// out with a warning. Unknown palpa extras, compressed data that hold fewer or more vertices than promised, and hidden
+/// nodes (KHR_node_visibility), which are touchable nevertheless, are warnings. Never blocks on devices or pipes.
 Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);
 
 /// Around all meshes, metres; empty without any.

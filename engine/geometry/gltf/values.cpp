@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <tuple>
 
 #include "base/error.hpp"
-#include "geometry/gltf_document/buffers.hpp"
+#include "base/log.hpp"
 
 namespace palpa::geometry::gltf {
 namespace {
@@ -24,78 +26,84 @@ T load(const unsigned char* element, std::size_t i) {
 
 // The number `i` of an element.
 template <typename T>
-T number_at(const unsigned char* element, Component component, std::size_t i) {
+T number_at(const unsigned char* element, int component, std::size_t i) {
   switch (component) {
-    case Component::i8:
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
       return load<T, std::int8_t>(element, i);
-    case Component::u8:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
       return load<T, std::uint8_t>(element, i);
-    case Component::i16:
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
       return load<T, std::int16_t>(element, i);
-    case Component::u16:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
       return load<T, std::uint16_t>(element, i);
-    case Component::u32:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
       return load<T, std::uint32_t>(element, i);
-    case Component::f32:
-      break;
+    default:
+      return load<T, float>(element, i);
   }
-  return load<T, float>(element, i);
+}
+
+std::size_t component_size(int component) {
+  return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component)));
 }
 
 }  // namespace
 
-Values::Values(const InputFile& file, const std::optional<BinChunk>& bin, const Document& document)
-    : file_(file.name()), document_(document), buffers_(load_buffers(file, bin, document.buffers)) {}
-
-void Values::fail(std::uint32_t accessor, const std::string& fault) const {
+void Values::fail(int accessor, const std::string& fault) const {
   throw bad_input(file_, fmt::format("accessor {}: {}", accessor, fault));
 }
 
-std::span<const unsigned char> Values::bytes(const View& view) const {
-  return std::span(buffers_[view.buffer]).subspan(view.offset, view.length);
+std::span<const unsigned char> Values::bytes(int v) const {
+  const tinygltf::BufferView& view = at(model_.bufferViews, v);
+  return std::span(at(model_.buffers, view.buffer).data).subspan(view.byteOffset, view.byteLength);
 }
 
 template <typename T>
-std::vector<T> Values::read(std::uint32_t accessor, std::size_t most) const {
-  const Accessor& a = document_.accessors[accessor];
-  const std::size_t count = std::min<std::size_t>(a.count, most);
-  std::vector<T> values(count * a.width);
+std::vector<T> Values::read(int accessor, std::size_t most) const {
+  const tinygltf::Accessor& a = at(model_.accessors, accessor);
+  const auto width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+  const std::size_t count = std::min(a.count, most), size = width * component_size(a.componentType);
+  std::vector<T> values(count * width);
   const auto copy = [&](const unsigned char* element, std::size_t target) {
-    for (std::size_t i = 0; i < a.width; ++i)
-      values[target * a.width + i] = number_at<T>(element, a.component, i);
+    for (std::size_t i = 0; i < width; ++i)
+      values[target * width + i] = number_at<T>(element, a.componentType, i);
   };
-  const unsigned char* element = a.data ? bytes(*a.data).data() : nullptr;
-  for (std::size_t i = 0; a.data && i < count; ++i)
-    copy(element + i * a.data->stride, i);
-  if (!a.sparse) return values;
-  const Sparse& sparse = *a.sparse;
-  const unsigned char* at = bytes(sparse.indices).data();
-  element = bytes(sparse.values).data();
+  if (a.bufferView >= 0) {
+    const unsigned char* element = bytes(a.bufferView).data() + a.byteOffset;
+    const std::size_t stride = at(model_.bufferViews, a.bufferView).byteStride;
+    for (std::size_t i = 0; i < count; ++i)
+      copy(element + i * (stride == 0 ? size : stride), i);
+  }
+  if (!a.sparse.isSparse) return values;
+  const auto& [indices, replacements] = std::tie(a.sparse.indices, a.sparse.values);
+  const unsigned char* at_index = bytes(indices.bufferView).data() + indices.byteOffset;
+  const unsigned char* at_value = bytes(replacements.bufferView).data() + replacements.byteOffset;
   std::uint64_t least = 0;
-  for (std::size_t i = 0; i < sparse.count; ++i) {
-    const auto index = number_at<std::uint32_t>(at + i * sparse.indices.stride, sparse.component, 0);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(a.sparse.count); ++i) {
+    const auto index = number_at<std::uint32_t>(at_index, indices.componentType, i);
     if (index < least || index >= a.count)
       fail(accessor, fmt::format("the sparse index {} is out of range or not larger than the one before", index));
     if (index >= count) break;
-    copy(element + i * sparse.values.stride, index);
+    copy(at_value + i * size, index);
     least = std::uint64_t{index} + 1;
   }
   return values;
 }
 
-std::vector<double> Values::numbers(std::uint32_t accessor, std::size_t most) const {
+std::vector<double> Values::numbers(int accessor, std::size_t most) const {
   std::vector<double> values = read<double>(accessor, most);
-  const Accessor& a = document_.accessors[accessor];
+  const tinygltf::Accessor& a = at(model_.accessors, accessor);
   if (a.normalized) {
     for (double& value : values)
-      value = normalized_value(value, a.component);
+      value = normalized_value(value, a.componentType);
   }
   return values;
 }
 
-std::vector<std::uint32_t> Values::indices(std::uint32_t accessor, std::size_t vertices) const {
+std::vector<std::uint32_t> Values::indices(int accessor, std::size_t vertices) const {
   std::vector<std::uint32_t> values = read<std::uint32_t>(accessor, any_count);
-  const std::uint64_t restart = (std::uint64_t{1} << (8 * size_of(document_.accessors[accessor].component))) - 1;
+  const std::size_t size = component_size(at(model_.accessors, accessor).componentType);
+  const std::uint64_t restart = (std::uint64_t{1} << (8 * size)) - 1;
   const auto wrong = std::find_if(values.begin(), values.end(), [&](std::uint32_t v) { return v >= vertices; });
   if (wrong == values.end()) return values;
   const auto i = wrong - values.begin();
@@ -104,15 +112,30 @@ std::vector<std::uint32_t> Values::indices(std::uint32_t accessor, std::size_t v
   fail(accessor, fmt::format("index {} names vertex {}, but there are only {}", i, *wrong, vertices));
 }
 
-double normalized_value(double integer, Component component) {
+void Values::check_bounds(int accessor, const Box& box) const {
+  const tinygltf::Accessor& a = at(model_.accessors, accessor);
+  for (std::size_t i = 0; i < 3 && !a.minValues.empty() && !a.maxValues.empty(); ++i) {
+    const int axis = static_cast<int>(i);
+    // The file states min and max of the stored values.
+    const auto bound = [&](double value) { return a.normalized ? normalized_value(value, a.componentType) : value; };
+    const double slack = 1e-6 * std::max(std::abs(box.low[axis]), std::abs(box.high[axis]));
+    if (std::abs(bound(a.minValues[i]) - box.low[axis]) <= slack &&
+        std::abs(bound(a.maxValues[i]) - box.high[axis]) <= slack)
+      continue;
+    log::warning(fmt::format("{}: accessor {}: its min and max do not match its positions", file_, accessor));
+    break;
+  }
+}
+
+double normalized_value(double integer, int component) {
   switch (component) {
-    case Component::i8:
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
       return std::max(integer / 127.0, -1.0);
-    case Component::u8:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
       return integer / 255.0;
-    case Component::i16:
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
       return std::max(integer / 32767.0, -1.0);
-    case Component::u16:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
       return integer / 65535.0;
     default:
       return integer;

@@ -1,47 +1,46 @@
-// The contents of a document's accessors.
+// The contents of a model's accessors.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "base/input_file.hpp"
-#include "geometry/gltf_document/container.hpp"
-#include "geometry/gltf_document/document.hpp"
+#include "base/math.hpp"
+#include "geometry/gltf/model.hpp"
 
 namespace palpa::geometry::gltf {
 
 /// Reads accessors by their index. All functions throw bad_input, naming the accessor.
 class Values {
  public:
-  /// Loads the document's buffers. All arguments must outlive it. Throws bad_input as load_buffers().
-  Values(const InputFile& file, const std::optional<BinChunk>& bin, const Document& document);
+  /// Both arguments must outlive it. The model has been checked.
+  Values(const std::string& file, const tinygltf::Model& model) : file_(file), model_(model) {}
 
-  /// The accessor's `width` numbers per element, one element after the other, of at most `most` elements. Floats are
+  /// The accessor's numbers of each element, one element after the other, of at most `most` elements. Floats are
   /// unchanged; integers go through normalized_value() if the accessor is normalized.
-  std::vector<double> numbers(std::uint32_t accessor, std::size_t most = any_count) const;
+  std::vector<double> numbers(int accessor, std::size_t most = any_count) const;
   /// The index list of a primitive with `vertices` vertices.
-  std::vector<std::uint32_t> indices(std::uint32_t accessor, std::size_t vertices) const;
-  std::span<const unsigned char> bytes(const View& view) const;
+  std::vector<std::uint32_t> indices(int accessor, std::size_t vertices) const;
+  std::span<const unsigned char> bytes(int view) const;
+  /// Warns if the accessor's min and max are not those of its positions.
+  void check_bounds(int accessor, const Box& box) const;
 
  private:
   static constexpr std::size_t any_count = std::numeric_limits<std::size_t>::max();
-  [[noreturn]] void fail(std::uint32_t accessor, const std::string& fault) const;
+  [[noreturn]] void fail(int accessor, const std::string& fault) const;
   template <typename T>
-  std::vector<T> read(std::uint32_t accessor, std::size_t most) const;
+  std::vector<T> read(int accessor, std::size_t most) const;
 
   const std::string& file_;
-  const Document& document_;
-  const std::vector<std::vector<unsigned char>> buffers_;
+  const tinygltf::Model& model_;
 };
 
 /// The value of an integer in a normalized accessor: unsigned 0 to 1, signed -1 to 1 (glTF 2.0 section 3.6.2.2).
-double normalized_value(double integer, Component component);
+double normalized_value(double integer, int component);
 
 /// Triangles of `vertices` (0, 1, 2, ... or an index list) as list (mode 4), strip (5) or fan (6). Remaining vertices
 /// of an incomplete triangle are dropped. glTF 2.0 section 3.7.2.1.

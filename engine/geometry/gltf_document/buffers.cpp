@@ -63,54 +63,6 @@ std::vector<unsigned char> decode_data_uri(const BufferSource& source, const aut
   return *std::move(bytes);
 }
 
-// Exactly source.length bytes of a buffer that is not packed.
-std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
-                                       const BufferSource& source) {
-  const auto fail = [&](const std::string& fault) {
-    throw bad_input(file.name(), fmt::format("buffer {}: {}", index, fault));
-  };
-  std::vector<unsigned char> bytes;
-  if (source.uri.starts_with("data:")) return decode_data_uri(source, fail);
-  if (source.uri.empty()) {
-    bytes.resize(source.length);
-    file.read_at(bin.value().offset, bytes);
-    return bytes;
-  }
-  const std::string path = decode_percent(source.uri).value();
-  ReferenceFolder folder(file.name(), std::filesystem::path(file.name()).parent_path());
-  const std::filesystem::path named = folder.find(path, fmt::format("buffer {}", index));
-  try {
-    const InputFile beside(named);
-    if (beside.size() < source.length) {
-      fail(fmt::format("\"byteLength\" is {}, but {} has {} bytes", source.length, text::quoted(path), beside.size()));
-    }
-    bytes.resize(source.length);
-    beside.read_at(0, bytes);
-  } catch (const Error& e) {
-    if (e.code() != Exit::bad_input) throw;
-    // Names the model, which is what the user gave, followed by the fault of the part.
-    const std::string_view line = e.what();
-    if (line.starts_with(file.name() + ": buffer")) throw;
-    fail(fmt::format("its file {}", line));
-  }
-  return bytes;
-}
-
-std::vector<unsigned char> unpack(const InputFile& file, const MeshoptBufferView& view,
-                                  std::span<const unsigned char> packed) {
-  if (auto bytes = unpack_meshopt(view, packed)) return *std::move(bytes);
-  const std::string where =
-      fmt::format("buffer {}: bytes {} to {} are", view.buffer, view.offset, view.offset + view.length);
-  if (const unsigned version = codec_version(view, packed); version > 0) {
-    throw bad_input(file.name(), fmt::format("{} packed with version {} of meshoptimizer's vertex codec, but palpa was "
-                                             "built with a meshoptimizer that reads version 0 only: pack the model "
-                                             "with EXT_meshopt_compression, or not at all",
-                                             where, version));
-  }
-  throw bad_input(file.name(), fmt::format("{} not what the meshopt compression unpacks to {} elements of {} bytes",
-                                           where, view.count, view.stride));
-}
-
 }  // namespace
 
 std::optional<std::string> uri_fault(const std::string& uri) {
@@ -148,19 +100,51 @@ std::optional<std::string> decode_percent(std::string_view text) {
   return out;
 }
 
-std::vector<std::vector<unsigned char>> load_buffers(const InputFile& file, const std::optional<BinChunk>& bin,
-                                                     const std::vector<BufferSource>& sources) {
-  std::vector<std::vector<unsigned char>> buffers(sources.size());
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    if (sources[i].length == 0) continue;
-    if (const auto& view = sources[i].packed) {
-      const std::span<const unsigned char> packed(buffers[view->buffer]);
-      buffers[i] = unpack(file, *view, packed.subspan(view->offset, view->length));
-    } else {
-      buffers[i] = load_buffer(file, bin, i, sources[i]);
-    }
+std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
+                                       const BufferSource& source) {
+  const auto fail = [&](const std::string& fault) {
+    throw bad_input(file.name(), fmt::format("buffer {}: {}", index, fault));
+  };
+  std::vector<unsigned char> bytes;
+  if (source.uri.starts_with("data:")) return decode_data_uri(source, fail);
+  if (source.uri.empty()) {
+    bytes.resize(source.length);
+    file.read_at(bin.value().offset, bytes);
+    return bytes;
   }
-  return buffers;
+  const std::string path = decode_percent(source.uri).value();
+  ReferenceFolder folder(file.name(), std::filesystem::path(file.name()).parent_path());
+  const std::filesystem::path named = folder.find(path, fmt::format("buffer {}", index));
+  try {
+    const InputFile beside(named);
+    if (beside.size() < source.length) {
+      fail(fmt::format("\"byteLength\" is {}, but {} has {} bytes", source.length, text::quoted(path), beside.size()));
+    }
+    bytes.resize(source.length);
+    beside.read_at(0, bytes);
+  } catch (const Error& e) {
+    if (e.code() != Exit::bad_input) throw;
+    // Names the model, which is what the user gave, followed by the fault of the part.
+    const std::string_view line = e.what();
+    if (line.starts_with(file.name() + ": buffer")) throw;
+    fail(fmt::format("its file {}", line));
+  }
+  return bytes;
+}
+
+std::vector<unsigned char> unpack_buffer(const InputFile& file, const MeshoptBufferView& view,
+                                         std::span<const unsigned char> packed) {
+  if (auto bytes = unpack_meshopt(view, packed)) return *std::move(bytes);
+  const std::string where =
+      fmt::format("buffer {}: bytes {} to {} are", view.buffer, view.offset, view.offset + view.length);
+  if (const unsigned version = codec_version(view, packed); version > 0) {
+    throw bad_input(file.name(), fmt::format("{} packed with version {} of meshoptimizer's vertex codec, but palpa was "
+                                             "built with a meshoptimizer that reads version 0 only: pack the model "
+                                             "with EXT_meshopt_compression, or not at all",
+                                             where, version));
+  }
+  throw bad_input(file.name(), fmt::format("{} not what the meshopt compression unpacks to {} elements of {} bytes",
+                                           where, view.count, view.stride));
 }
 
 }  // namespace palpa::geometry::gltf

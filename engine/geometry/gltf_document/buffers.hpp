@@ -1,7 +1,9 @@
-// The bytes of glTF buffers.
+// The bytes of a glTF buffer.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,11 +16,14 @@ namespace palpa::geometry::gltf {
 /// The fault of a URI itself, before anything is opened: it is neither a base64 data URI nor a relative path.
 std::optional<std::string> uri_fault(const std::string& uri);
 
-/// The bytes of all buffers of a document that the scene needs; the others are empty. Throws bad_input naming the file
-/// and the buffer: a missing or irregular file, one outside the folder of `file` (see ReferenceFolder), too few bytes,
-/// broken base64, packed bytes that cannot be unpacked.
-std::vector<std::vector<unsigned char>> load_buffers(const InputFile& file, const std::optional<BinChunk>& bin,
-                                                     const std::vector<BufferSource>& sources);
+/// Exactly source.length bytes of a buffer that is not packed. Throws bad_input naming the file and the buffer: a
+/// missing or irregular file, one outside the folder of `file` (see ReferenceFolder), too few bytes, broken base64.
+std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
+                                       const BufferSource& source);
+
+/// The bytes of a packed buffer; bad_input if they cannot be unpacked.
+std::vector<unsigned char> unpack_buffer(const InputFile& file, const MeshoptBufferView& view,
+                                         std::span<const unsigned char> packed);
 
 /// "%20" becomes a space. nullopt for a '%' without two hexadecimal digits, and for %00.
 std::optional<std::string> decode_percent(std::string_view text);

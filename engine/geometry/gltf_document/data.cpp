@@ -18,6 +18,14 @@ namespace palpa::geometry::gltf {
 namespace {
 
 constexpr std::uint64_t any = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t i8 = 5120, u8 = 5121, i16 = 5122, u16 = 5123, u32 = 5125, f32 = 5126;
+
+// In bytes; 0 for numbers that are no component type.
+std::uint64_t size_of(std::uint64_t component) {
+  if (component == i8 || component == u8) return 1;
+  if (component == i16 || component == u16) return 2;
+  return component == u32 || component == f32 ? 4 : 0;
+}
 
 std::uint64_t width_of(const std::string& type) {
   static constexpr std::array<std::pair<std::string_view, std::uint64_t>, 7> widths{
@@ -41,45 +49,27 @@ std::optional<Item> meshopt_of(const Item& item) {
   return std::nullopt;
 }
 
-// The part of the view from `offset` on, which must have room for `count` elements.
-View elements_in(const Item& item, const View& view, std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
-                 std::uint64_t element) {
+// `count` elements from `offset` on must fit into a view of `length` bytes.
+void check_elements_fit(const Item& item, std::uint64_t length, std::uint64_t offset, std::uint64_t count,
+                        std::uint64_t stride, std::uint64_t element) {
   if (stride < element)
     item.fail(fmt::format("has elements of {} bytes, but its buffer view has a byteStride of {}", element, stride));
-  if (offset > view.length || view.length - offset < element || count - 1 > (view.length - offset - element) / stride) {
+  if (offset > length || length - offset < element || count - 1 > (length - offset - element) / stride) {
     item.fail(fmt::format("does not fit its buffer view: {} elements, {} bytes apart, from byte {} on, in {} bytes",
-                          count, stride, offset, view.length));
+                          count, stride, offset, length));
   }
-  return {view.buffer, view.offset + offset, view.length - offset, stride};
 }
 
-void check_fit(const Item& item, const View& view, std::uint64_t available) {
-  if (view.offset > available || view.length > available - view.offset) {
-    item.fail(fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", view.length, view.offset,
-                          available));
+void check_bytes_fit(const Item& item, std::uint64_t offset, std::uint64_t length, std::uint64_t available) {
+  if (offset > available || length > available - offset) {
+    item.fail(fmt::format("does not fit its buffer: {} bytes from byte {} on, in {} bytes", length, offset, available));
   }
 }
 
 }  // namespace
 
-std::uint64_t size_of(Component component) {
-  switch (component) {
-    case Component::i8:
-    case Component::u8:
-      return 1;
-    case Component::i16:
-    case Component::u16:
-      return 2;
-    case Component::u32:
-    case Component::f32:
-      return 4;
-  }
-  return 0;
-}
-
-void DataReader::check_role(const Item& accessor, Role role, const std::string& type, Component component) const {
-  using enum Component;
-  const auto require = [&](const char* right_type, std::initializer_list<Component> right, const char* fault) {
+void DataChecker::check_role(const Item& accessor, Role role, const std::string& type, std::uint64_t component) const {
+  const auto require = [&](const char* right_type, std::initializer_list<std::uint64_t> right, const char* fault) {
     if (type != right_type || std::find(right.begin(), right.end(), component) == right.end()) accessor.fail(fault);
   };
   switch (role) {
@@ -92,7 +82,7 @@ void DataReader::check_role(const Item& accessor, Role role, const std::string& 
       accessor.fail(
           fmt::format("holds positions of component type {}; they are 32-bit floats (5126) or, where "
                       "\"extensionsUsed\" has KHR_mesh_quantization, integers of 8 or 16 bits (5120 to 5123)",
-                      static_cast<int>(component)));
+                      component));
     case Role::indices:
       return require("SCALAR", {u8, u16, u32},
                      "holds indices that are not scalar unsigned integers of 8, 16 or 32 bits (5121, 5123, 5125)");
@@ -111,13 +101,13 @@ void DataReader::check_role(const Item& accessor, Role role, const std::string& 
   }
 }
 
-DataReader::DataReader(const Item& root, const Parsed& parsed, const Container& container, Document& document)
-    : root_(root), parsed_(parsed), container_(container), document_(document) {
-  document_.accessors.resize(root.size("accessors"));
-  document_.buffers.resize(root.size("buffers"));
-  role_.resize(root.size("accessors"));
-  views_.resize(root.size("bufferViews"));
+DataChecker::DataChecker(const Item& root, const Parsed& parsed, const Container& container, Document& document)
+    : root_(root), parsed_(parsed), container_(container), buffers_(document.buffers) {
+  buffers_.resize(root.size("buffers"));
   fallback_.resize(root.size("buffers"));
+  role_.resize(root.size("accessors"));
+  count_.resize(root.size("accessors"));
+  views_.resize(root.size("bufferViews"));
   for (const char* key : {"extensionsUsed", "extensionsRequired"}) {
     const Json* names = root_.array(key);
     if (names != nullptr && std::find(names->begin(), names->end(), "KHR_mesh_quantization") != names->end())
@@ -125,123 +115,106 @@ DataReader::DataReader(const Item& root, const Parsed& parsed, const Container& 
   }
 }
 
-std::optional<std::uint32_t> DataReader::named(const Item& item, const char* key) const {
+std::optional<std::uint32_t> DataChecker::named(const Item& item, const char* key) const {
   return item.index(key, "accessor", role_.size());
 }
 
-bool DataReader::has_data(std::uint32_t accessor) const {
+bool DataChecker::has_data(std::uint32_t accessor) const {
   return at("accessors", "accessor", accessor).has("bufferView");
 }
 
-Accessor DataReader::read_elements(const Item& accessor, Role role) const {
-  Accessor read;
-  read.count = accessor.needed_whole("count", 1, any);
-  read.component = static_cast<Component>(accessor.needed_whole("componentType", 5120, 5126));
+DataChecker::Elements DataChecker::check_elements(const Item& accessor, Role role) const {
+  const std::uint64_t count = accessor.needed_whole("count", 1, any);
+  const std::uint64_t component = accessor.needed_whole("componentType", 5120, 5126);
   const std::string type = accessor.string("type").value_or("");
-  read.width = width_of(type);
-  if (size_of(read.component) * read.width == 0) {
-    accessor.fail(fmt::format("has the unknown type {} of component type {}", text::quoted(type),
-                              static_cast<int>(read.component)));
-  }
-  check_role(accessor, role, type, read.component);
-  if (const auto normalized = accessor.json().find("normalized"); normalized != accessor.json().end()) {
-    if (!normalized->is_boolean()) accessor.fail("\"normalized\" is neither true nor false");
-    read.normalized = normalized->get<bool>();
-  }
-  return read;
+  const std::uint64_t size = size_of(component) * width_of(type);
+  if (size == 0)
+    accessor.fail(fmt::format("has the unknown type {} of component type {}", text::quoted(type), component));
+  check_role(accessor, role, type, component);
+  accessor.boolean("normalized");
+  return {count, size_of(component), size};
 }
 
-std::uint64_t DataReader::read_compressed(std::uint32_t a, Role role) {
-  Accessor read = read_elements(at("accessors", "accessor", a), role);
-  const std::uint64_t count = read.count;
-  // Another primitive may have its data uncompressed.
-  if (role_[a] == Role::unused) document_.accessors[a] = std::move(read);
-  return count;
+std::uint64_t DataChecker::check_compressed(std::uint32_t a, Role role) const {
+  return check_elements(at("accessors", "accessor", a), role).count;
 }
 
-std::uint64_t DataReader::read(std::uint32_t a, Role role) {
-  if (role_[a] == role) return document_.accessors[a].count;
+std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
+  if (role_[a] == role) return count_[a];
   const Item accessor = at("accessors", "accessor", a);
-  Accessor read = read_elements(accessor, role);
+  const Elements elements = check_elements(accessor, role);
   role_[a] = role;
-  const std::uint64_t component = size_of(read.component), element = read.width * component;
+  count_[a] = elements.count;
   const auto view = accessor.index("bufferView", "buffer view", views_.size());
   const std::uint64_t offset = accessor.whole("byteOffset", 0, any).value_or(0);
   if (view) {
-    const View& found = read_view(*view);
-    if (role == Role::indices && found.stride != 0) accessor.fail("holds indices in a buffer view with a byteStride");
-    read.data = elements_in(accessor, found, offset, read.count, found.stride == 0 ? element : found.stride, element);
-    if (offset % component != 0) {
+    const auto [length, stride] = check_view(*view);
+    if (role == Role::indices && stride != 0) accessor.fail("holds indices in a buffer view with a byteStride");
+    check_elements_fit(accessor, length, offset, elements.count, stride == 0 ? elements.size : stride, elements.size);
+    if (offset % elements.component_size != 0) {
       log::warning(fmt::format("{}: {} starts at byte {}, not at a multiple of its components' size", root_.file(),
                                accessor.where(), offset));
     }
   } else if (!accessor.has("sparse") && needs_data(role)) {
     accessor.fail("has no data: \"bufferView\" is missing");
   } else if (role != Role::unused && role != Role::position && role != Role::displacement && role != Role::joints) {
-    claim(accessor, read.count * element);  // the vertices of a scene are counted elsewhere
+    claim(accessor, elements.count * elements.size);  // the vertices of a scene are counted elsewhere
   }
-  if (const auto sparse = accessor.item("sparse")) read.sparse = read_sparse(*sparse, read);
+  if (const auto sparse = accessor.item("sparse")) check_sparse(*sparse, elements);
   if (role == Role::position) {
-    read.min = accessor.numbers("min", 3).value_or(std::vector<double>{});
-    read.max = accessor.numbers("max", 3).value_or(std::vector<double>{});
+    accessor.numbers("min", 3);
+    accessor.numbers("max", 3);
   }
-  document_.accessors[a] = std::move(read);
-  return document_.accessors[a].count;
+  return elements.count;
 }
 
-Sparse DataReader::read_sparse(const Item& sparse, const Accessor& accessor) {
-  Sparse read;
-  read.count = sparse.needed_whole("count", 1, accessor.count);
+void DataChecker::check_sparse(const Item& sparse, const Elements& elements) {
+  const std::uint64_t count = sparse.needed_whole("count", 1, elements.count);
   const Item indices = sparse.needed_item("indices"), values = sparse.needed_item("values");
-  read.component = static_cast<Component>(indices.needed_whole("componentType", 5120, 5126));
-  if (read.component != Component::u8 && read.component != Component::u16 && read.component != Component::u32)
+  const std::uint64_t component = indices.needed_whole("componentType", 5120, 5126);
+  if (component != u8 && component != u16 && component != u32)
     indices.fail("are not unsigned integers of 8, 16 or 32 bits");
-  const auto read_part = [&](const Item& part, std::uint64_t size) {
+  const auto check_part = [&](const Item& part, std::uint64_t size) {
     const std::uint32_t view = part.needed_index("bufferView", "buffer view", views_.size());
     const std::uint64_t offset = part.whole("byteOffset", 0, any).value_or(0);
-    const View& found = read_view(view);
-    if (found.stride != 0) part.fail("are in a buffer view with a byteStride");
-    return elements_in(part, found, offset, read.count, size, size);
+    const auto [length, stride] = check_view(view);
+    if (stride != 0) part.fail("are in a buffer view with a byteStride");
+    check_elements_fit(part, length, offset, count, size, size);
   };
-  read.indices = read_part(indices, size_of(read.component));
-  read.values = read_part(values, accessor.width * size_of(accessor.component));
-  return read;
+  check_part(indices, size_of(component));
+  check_part(values, elements.size);
 }
 
-const View& DataReader::read_view(std::uint32_t v) {
+DataChecker::View DataChecker::check_view(std::uint32_t v) {
   if (views_[v]) return *views_[v];
   const Item item = at("bufferViews", "buffer view", v);
-  View view;
-  view.buffer = item.needed_index("buffer", "buffer", fallback_.size());
-  view.offset = item.whole("byteOffset", 0, any).value_or(0);
-  view.length = item.needed_whole("byteLength", 1, any);
-  view.stride = item.whole("byteStride", 4, 252).value_or(0);
+  const std::uint32_t buffer = item.needed_index("buffer", "buffer", fallback_.size());
+  const std::uint64_t offset = item.whole("byteOffset", 0, any).value_or(0);
+  const View view{item.needed_whole("byteLength", 1, any), item.whole("byteStride", 4, 252).value_or(0)};
   if (view.stride % 4 != 0) item.fail(fmt::format("\"byteStride\" is {}; it must be a multiple of 4", view.stride));
   if (const auto packed = meshopt_of(item)) {
     // Its own buffer is a fallback for readers that do not know the extension, and need not exist.
-    fallback_[view.buffer] = 1;
-    view = read_packed(*packed, view.length, view.stride);
+    fallback_[buffer] = 1;
+    check_packed(item, *packed, view);
   } else {
-    check_fit(item, view, read_buffer(view.buffer));
+    check_bytes_fit(item, offset, view.length, check_buffer(buffer));
   }
   views_[v] = view;
-  return *views_[v];
+  return view;
 }
 
-DracoSource DataReader::read_stream(const Item& extension) {
-  DracoSource stream;
-  stream.view = extension.needed_index("bufferView", "buffer view", views_.size());
-  stream.bytes = read_view(stream.view);
-  claim(at("bufferViews", "buffer view", stream.view), stream.bytes.length);
-  const Item attributes = extension.needed_item("attributes");
+Item DataChecker::check_stream(const Item& extension) {
+  const std::uint32_t view = extension.needed_index("bufferView", "buffer view", views_.size());
+  claim(at("bufferViews", "buffer view", view), check_view(view).length);
+  Item attributes = extension.needed_item("attributes");
   for (const auto& [name, id] : attributes.json().items())
-    stream.attributes.emplace(name, attributes.needed_whole(name.c_str(), 0, any));
-  if (!stream.attributes.contains("POSITION")) attributes.fail("\"POSITION\" is missing");
-  return stream;
+    attributes.needed_whole(name.c_str(), 0, any);
+  if (!attributes.has("POSITION")) attributes.fail("\"POSITION\" is missing");
+  return attributes;
 }
 
-// Adds a new buffer for the unpacked data, which the result is.
-View DataReader::read_packed(const Item& item, std::uint64_t length, std::uint64_t stride) {
+// Adds a new buffer for the unpacked data, which the copy's view shows.
+void DataChecker::check_packed(const Item& view, const Item& item, const View& unpacked) {
   MeshoptBufferView packed;
   packed.buffer = item.needed_index("buffer", "buffer", fallback_.size());
   packed.offset = item.whole("byteOffset", 0, any).value_or(0);
@@ -260,19 +233,20 @@ View DataReader::read_packed(const Item& item, std::uint64_t length, std::uint64
   packed.mode = static_cast<MeshoptMode>(choose("mode", mode, modes));
   packed.filter = static_cast<MeshoptFilter>(choose("filter", filter, filters));
   if (const auto fault = meshopt_fault(packed)) item.fail(*fault);
-  if (packed.stride * packed.count != length) {
+  if (packed.stride * packed.count != unpacked.length) {
     item.fail(fmt::format("unpacks to {} elements of {} bytes, but the buffer view has {} bytes", packed.count,
-                          packed.stride, length));
+                          packed.stride, unpacked.length));
   }
-  if (stride != 0 && stride != packed.stride)
-    item.fail(fmt::format("has a byteStride of {}, but the buffer view has one of {}", packed.stride, stride));
-  check_fit(item, {packed.buffer, packed.offset, packed.length}, read_buffer(packed.buffer));
-  claim(item, length);
-  document_.buffers.push_back({length, {}, packed});
-  return {static_cast<std::uint32_t>(document_.buffers.size() - 1), 0, length, stride};
+  if (unpacked.stride != 0 && unpacked.stride != packed.stride)
+    item.fail(fmt::format("has a byteStride of {}, but the buffer view has one of {}", packed.stride, unpacked.stride));
+  check_bytes_fit(item, packed.offset, packed.length, check_buffer(packed.buffer));
+  claim(item, unpacked.length);
+  view.write("buffer", buffers_.size());
+  view.write("byteOffset", 0);
+  buffers_.push_back({unpacked.length, {}, packed});
 }
 
-void DataReader::claim(const Item& item, std::uint64_t bytes) {
+void DataChecker::claim(const Item& item, std::uint64_t bytes) {
   total_ += std::min(bytes, most_buffer_bytes + 1);
   if (total_ > most_buffer_bytes) {
     item.fail(fmt::format("brings the buffers to more than {} bytes, packed and unpacked; palpa reads no more",
@@ -280,8 +254,8 @@ void DataReader::claim(const Item& item, std::uint64_t bytes) {
   }
 }
 
-std::uint64_t DataReader::read_buffer(std::uint32_t b) {
-  BufferSource& source = document_.buffers[b];
+std::uint64_t DataChecker::check_buffer(std::uint32_t b) {
+  BufferSource& source = buffers_[b];
   if (source.length != 0) return source.length;
   const Item buffer = at("buffers", "buffer", b);
   const std::uint64_t length = buffer.needed_whole("byteLength", 1, any);
@@ -304,16 +278,16 @@ std::uint64_t DataReader::read_buffer(std::uint32_t b) {
   return length;
 }
 
-void DataReader::check_rest() {
+void DataChecker::check_rest() {
   for (std::uint32_t i = 0; i < views_.size(); ++i)
-    read_view(i);
+    check_view(i);
   for (std::uint32_t i = 0; i < fallback_.size(); ++i) {
-    if (!fallback_[i]) read_buffer(i);
+    if (!fallback_[i]) check_buffer(i);
   }
   for (std::uint32_t i = 0; i < role_.size(); ++i) {
     if (role_[i] == Role::unused) {
       role_[i] = Role::position;  // any role other than the requested one
-      read(i, Role::unused);
+      check(i, Role::unused);
     }
   }
 }

@@ -4,11 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <glm/gtc/type_ptr.hpp>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
@@ -63,8 +59,7 @@ void check_root(const Item& root) {
   }
 }
 
-// From the node's coordinates to its parent's.
-Transform read_transform(const Item& node) {
+void check_transform(const Item& node) {
   if (const auto matrix = node.numbers("matrix", 16)) {
     if (node.has("translation") || node.has("rotation") || node.has("scale")) {
       node.fail("has both \"matrix\" and translation, rotation or scale; it may have only one of the two");
@@ -72,72 +67,70 @@ Transform read_transform(const Item& node) {
     const auto& m = *matrix;
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
       node.fail("\"matrix\" is not affine: its last row is not 0 0 0 1");
-    return glm::make_mat4(m.data());
+    return;
   }
-  const auto t = node.numbers("translation", 3), s = node.numbers("scale", 3), r = node.numbers("rotation", 4);
-  Transform T(1);
-  if (r) {
-    const auto& q = *r;
+  node.numbers("translation", 3);
+  node.numbers("scale", 3);
+  if (const auto rotation = node.numbers("rotation", 4)) {
+    const auto& q = *rotation;
     const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     if (!(norm > 0.98 && norm < 1.02)) node.fail("\"rotation\" is not a unit quaternion");
-    T = glm::mat4_cast(glm::normalize(glm::dquat(q[3], q[0], q[1], q[2])));
   }
-  for (int i = 0; s && i < 3; ++i)
-    T[i] *= (*s)[static_cast<std::size_t>(i)];
-  if (t) T[3] = Vec4((*t)[0], (*t)[1], (*t)[2], 1);
-  return T;
 }
 
 // KHR_node_visibility of the node itself.
 bool is_hidden(const Item& node) {
   if (!node.has_extension(visibility_extension)) return false;
   const Item item = node.needed_item("extensions").needed_item(visibility_extension);
-  const auto visible = item.json().find("visible");
-  if (visible == item.json().end()) return false;
-  if (!visible->is_boolean()) item.fail("\"visible\" is neither true nor false");
-  return !visible->get<bool>();
+  return item.boolean("visible") == false;
 }
 
-class DocumentReader {
+class DocumentChecker {
  public:
-  DocumentReader(const Item& root, const Parsed& parsed, const Container& container)
-      : file_(root.file()), parsed_(parsed), root_(root), data_(root, parsed, container, document_) {
-    document_.nodes.resize(root.size("nodes"));
-    document_.meshes.resize(root.size("meshes"));
-    document_.skins.resize(root.size("skins"));
-    children_.resize(nodes().size());
-    placed_.resize(nodes().size());
-    hidden_.resize(nodes().size());
-    mesh_read_.resize(document_.meshes.size());
-    skin_read_.resize(document_.skins.size());
+  DocumentChecker(Item& root, const Parsed& parsed, const Container& container, Document& document)
+      : file_(root.file()),
+        parsed_(parsed),
+        root_(root),
+        document_(document),
+        data_(root, parsed, container, document) {
+    const std::size_t nodes = root.size("nodes");
+    document.parents.resize(nodes, Document::no_parent);
+    document.haptics.resize(nodes);
+    document.parts.resize(nodes);
+    children_.resize(nodes);
+    transform_checked_.resize(nodes);
+    hidden_.resize(nodes);
+    mesh_checked_.resize(root.size("meshes"));
+    skin_checked_.resize(root.size("skins"));
   }
 
-  Document read(std::optional<int> scene_index) {
-    read_tree();
+  void check(std::optional<int> scene_index) {
+    check_tree();
     walk(choose_scene(scene_index));
     warn_of_unknown_keys();
     warn_of_hidden();
-    Document document = document_;  // without what the following check reads
+    root_.stop_writing();
+    std::vector<BufferSource> needed = document_.buffers;
     if (const std::string fault = fault_elsewhere(); !fault.empty()) {
-      if (document.shown.empty()) throw bad_input(file_, fault);
+      if (document_.shown.empty()) throw bad_input(file_, fault);
       log::warning(file_ + ": " + fault + " (the scene does not need it)");
     }
-    return document;
+    document_.buffers = std::move(needed);
   }
 
  private:
   Item at(const char* key, const char* name, std::size_t index) const { return root_.element(key, name, index); }
-  std::vector<Node>& nodes() { return document_.nodes; }
+  std::size_t node_count() const { return children_.size(); }
 
   // Each node has at most one parent, and there are no loops: a forest.
-  void read_tree() {
-    for (std::uint32_t n = 0; n < nodes().size(); ++n) {
+  void check_tree() {
+    for (std::uint32_t n = 0; n < node_count(); ++n) {
       const Item node = at("nodes", "node", n);
-      children_[n] = node.indices("children", "node", nodes().size());
+      children_[n] = node.indices("children", "node", node_count());
       for (const std::uint32_t child : children_[n]) {
-        std::uint32_t& parent = nodes()[child].parent;
+        std::uint32_t& parent = document_.parents[child];
         if (child == n) node.fail("is its own child");
-        if (parent != Node::none) {
+        if (parent != Document::no_parent) {
           throw bad_input(
               file_, fmt::format("node {} is a child of both node {} and node {}; the nodes of glTF form trees", child,
                                  parent, n));
@@ -146,7 +139,7 @@ class DocumentReader {
       }
     }
     std::vector<std::uint32_t> stack = roots();
-    std::vector<char> seen(nodes().size(), 0);
+    std::vector<char> seen(node_count(), 0);
     while (!stack.empty()) {
       const std::uint32_t n = stack.back();
       stack.pop_back();
@@ -159,10 +152,10 @@ class DocumentReader {
     }
   }
 
-  std::vector<std::uint32_t> roots() {
+  std::vector<std::uint32_t> roots() const {
     std::vector<std::uint32_t> found;
-    for (std::uint32_t n = 0; n < nodes().size(); ++n) {
-      if (nodes()[n].parent == Node::none) found.push_back(n);
+    for (std::uint32_t n = 0; n < node_count(); ++n) {
+      if (document_.parents[n] == Document::no_parent) found.push_back(n);
     }
     return found;
   }
@@ -181,10 +174,10 @@ class DocumentReader {
     }
     if (scenes == 0) return roots();
     const Item scene = at("scenes", "scene", index);
-    std::vector<std::uint32_t> chosen = scene.indices("nodes", "node", nodes().size());
+    std::vector<std::uint32_t> chosen = scene.indices("nodes", "node", node_count());
     for (const std::uint32_t n : chosen) {
-      const std::uint32_t parent = nodes()[n].parent;
-      if (parent != Node::none)
+      const std::uint32_t parent = document_.parents[n];
+      if (parent != Document::no_parent)
         scene.fail(fmt::format("names node {}, which is a child of node {}; a scene lists root nodes", n, parent));
     }
     return chosen;
@@ -196,151 +189,137 @@ class DocumentReader {
       const std::uint32_t n = stack.back();
       stack.pop_back();
       stack.insert(stack.end(), children_[n].rbegin(), children_[n].rend());
-      read_node(n);
+      check_node(n);
     }
   }
 
-  void read_node(std::uint32_t n) {
+  void check_node(std::uint32_t n) {
     const Item item = at("nodes", "node", n);
-    Node& node = nodes()[n];
-    const bool is_root = node.parent == Node::none;
-    place(n);
+    const std::uint32_t parent = document_.parents[n];
+    const bool is_root = parent == Document::no_parent;
+    check_transforms(n);
     const NodeHaptics extras = read_extras(item, unknown_keys_);
-    node.haptics = inherit(item, extras, is_root ? Haptics{} : nodes()[node.parent].haptics);
-    if (extras.part_of) node.part = PartOf{*extras.part_of, node.parent, extras.seam_m.value_or(0)};
-    hidden_[n] = is_hidden(item) || (!is_root && hidden_[node.parent] != 0) ? 1 : 0;
-    node.name = name_of(item);
-    node.mesh = item.index("mesh", "mesh", document_.meshes.size());
-    if (!node.mesh) return;
+    document_.haptics[n] = inherit(item, extras, is_root ? Haptics{} : document_.haptics[parent]);
+    if (extras.part_of) document_.parts[n] = PartOf{*extras.part_of, parent, extras.seam_m.value_or(0)};
+    hidden_[n] = is_hidden(item) || (!is_root && hidden_[parent] != 0) ? 1 : 0;
+    check_name(item);
+    const auto mesh = item.index("mesh", "mesh", mesh_checked_.size());
+    if (!mesh) return;
     document_.shown.push_back(n);
     if (hidden_[n] != 0 && hidden_count_++ == 0) first_hidden_ = item.where();
-    node.weights = weights_of(item, read_mesh(*node.mesh));
-    node.skin = item.index("skin", "skin", document_.skins.size());
-    if (node.skin) read_skin(*node.skin);
+    check_weights(item, check_mesh(*mesh));
+    const auto skin = item.index("skin", "skin", skin_checked_.size());
+    if (skin) check_skin(*skin);
     if (!item.has_extension(instancing_extension)) return;
-    if (!node.skin) {
-      node.instancing = read_instancing(item);
+    if (!skin) {
+      check_instancing(item);
     } else {
       log::warning(fmt::format("{}: {}: {} has no effect on a skinned node, whose bones place its mesh", file_,
                                item.where(), instancing_extension));
     }
   }
 
-  std::string name_of(const Item& item) const { return parsed_.whole_name(item.string("name").value_or("")); }
-
-  static std::vector<double> weights_of(const Item& item, std::size_t targets) {
-    return item.size("weights") == 0 ? std::vector<double>{} : item.numbers("weights", targets).value();
+  void check_name(const Item& item) const {
+    if (const auto name = item.string("name")) item.write("name", parsed_.whole_name(*name));
   }
 
-  // Reads the transforms of the node and of its ancestors.
-  void place(std::uint32_t n) {
-    std::vector<std::uint32_t> chain;
-    for (; n != Node::none && placed_[n] == 0; n = nodes()[n].parent) {
-      placed_[n] = 1;
-      nodes()[n].T_world_node = read_transform(at("nodes", "node", n));
-      chain.push_back(n);
-    }
-    for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
-      Node& node = nodes()[*i];
-      if (node.parent != Node::none) node.T_world_node = nodes()[node.parent].T_world_node * node.T_world_node;
+  static void check_weights(const Item& item, std::size_t targets) {
+    if (item.size("weights") != 0) item.numbers("weights", targets);
+  }
+
+  // The transforms of the node and of its ancestors.
+  void check_transforms(std::uint32_t n) {
+    for (; n != Document::no_parent && transform_checked_[n] == 0; n = document_.parents[n]) {
+      transform_checked_[n] = 1;
+      check_transform(at("nodes", "node", n));
     }
   }
 
-  Instancing read_instancing(const Item& node) {
+  void check_instancing(const Item& node) {
     const Item attributes = node.needed_item("extensions").needed_item(instancing_extension).needed_item("attributes");
-    Instancing found;
-    for (const auto& [name, role, into] :
-         {std::tuple("TRANSLATION", Role::place, &found.translation),
-          std::tuple("ROTATION", Role::rotation, &found.rotation), std::tuple("SCALE", Role::place, &found.scale)}) {
-      *into = data_.named(attributes, name);
-      if (!*into) continue;
-      const std::uint64_t count = data_.read(**into, role);
-      if (found.count != 0 && count != found.count)
-        attributes.fail(fmt::format("has {} instances, but {} of {}", found.count, count, name));
-      found.count = count;
+    std::uint64_t instances = 0;
+    for (const auto& [name, role] : {std::pair("TRANSLATION", Role::place), std::pair("ROTATION", Role::rotation),
+                                     std::pair("SCALE", Role::place)}) {
+      const auto accessor = data_.named(attributes, name);
+      if (!accessor) continue;
+      const std::uint64_t count = data_.check(*accessor, role);
+      if (instances != 0 && count != instances)
+        attributes.fail(fmt::format("has {} instances, but {} of {}", instances, count, name));
+      instances = count;
     }
-    if (found.count == 0) attributes.fail("has neither TRANSLATION nor ROTATION nor SCALE");
-    return found;
+    if (instances == 0) attributes.fail("has neither TRANSLATION nor ROTATION nor SCALE");
   }
 
-  void read_skin(std::uint32_t s) {
-    if (skin_read_[s]) return;
-    skin_read_[s] = 1;
+  void check_skin(std::uint32_t s) {
+    if (skin_checked_[s]) return;
+    skin_checked_[s] = 1;
     const Item item = at("skins", "skin", s);
-    Skin& skin = document_.skins[s];
-    skin.joints = item.indices("joints", "node", nodes().size());
-    if (skin.joints.empty()) item.fail("has no joints");
-    for (const std::uint32_t n : skin.joints)
-      place(n);
-    skin.inverse_bind_matrices = data_.named(item, "inverseBindMatrices");
-    if (!skin.inverse_bind_matrices) return;
-    const std::uint64_t count = data_.read(*skin.inverse_bind_matrices, Role::bind_matrices);
-    if (count < skin.joints.size())
-      item.fail(fmt::format("has {} joints but only {} inverse bind matrices", skin.joints.size(), count));
+    const std::vector<std::uint32_t> joints = item.indices("joints", "node", node_count());
+    if (joints.empty()) item.fail("has no joints");
+    for (const std::uint32_t n : joints)
+      check_transforms(n);
+    const auto matrices = data_.named(item, "inverseBindMatrices");
+    if (!matrices) return;
+    const std::uint64_t count = data_.check(*matrices, Role::bind_matrices);
+    if (count < joints.size())
+      item.fail(fmt::format("has {} joints but only {} inverse bind matrices", joints.size(), count));
   }
 
   // Returns the number of its morph targets.
-  std::size_t read_mesh(std::uint32_t m) {
+  std::size_t check_mesh(std::uint32_t m) {
     const Item item = at("meshes", "mesh", m);
     const std::size_t primitives = item.size("primitives");
     if (primitives == 0) item.fail("has no primitives");
     const std::string name = item.where() + ", primitive";
     const std::size_t targets = item.element("primitives", name, 0).size("targets");
-    if (mesh_read_[m]) return targets;
-    mesh_read_[m] = 1;
-    MeshSource& mesh = document_.meshes[m];
-    mesh.name = name_of(item);
+    if (mesh_checked_[m]) return targets;
+    mesh_checked_[m] = 1;
+    check_name(item);
     if (has_palpa_extras(item)) {
       log::warning(fmt::format(
           "{}: {}: palpa reads the extras of nodes (Blender: the object's custom properties), not those of meshes",
           file_, item.where()));
     }
-    const std::vector<double> weights = weights_of(item, targets);
+    check_weights(item, targets);
     primitives_ += primitives;
     if (primitives_ > most_items)
       throw bad_input(file_, fmt::format("has more than {} primitives; palpa reads no more", most_items));
     for (std::size_t p = 0; p < primitives; ++p) {
-      auto primitive = read_primitive(item.element("primitives", name, p), targets);
-      if (!primitive) continue;
-      primitive->displacements = displacements_of(*primitive, weights);
-      mesh.primitives.push_back(*std::move(primitive));
+      const Item primitive = item.element("primitives", name, p);
+      if (!check_primitive(primitive, targets)) primitive.forget();
     }
     return targets;
   }
 
-  // nullopt for points, lines and primitives without positions.
-  std::optional<Primitive> read_primitive(const Item& item, std::size_t targets) {
-    Primitive primitive;
-    primitive.mode = static_cast<int>(item.whole("mode", 0, 6).value_or(4));
+  // False for points, lines and primitives without positions.
+  bool check_primitive(const Item& item, std::size_t targets) {
+    const bool triangles = item.whole("mode", 0, 6).value_or(4) >= 4;
     const Item attributes = item.needed_item("attributes");
     const auto position = data_.named(attributes, "POSITION");
-    if (primitive.mode < 4) return std::nullopt;
+    if (!triangles) return false;
     if (!position) {
       log::warning(fmt::format("{}: {} has no POSITION and is left out", file_, item.where()));
-      return std::nullopt;
+      return false;
     }
     const auto indices = data_.named(item, "indices");
+    std::optional<Item> stream;
     // An uncompressed copy, if there is one, is more exact.
     if (item.has_extension(draco_extension) && !(data_.has_data(*position) && (!indices || data_.has_data(*indices))))
-      primitive.stream = data_.read_stream(item.needed_item("extensions").needed_item(draco_extension));
-    const auto read_attribute = [&](const std::string& name, Role role) {
-      const auto accessor = data_.named(attributes, name.c_str());
-      if (!accessor) return;
-      const std::uint64_t count = primitive.stream && primitive.stream->attributes.contains(name)
-                                      ? data_.read_compressed(*accessor, role)
-                                      : data_.read(*accessor, role);
-      if (primitive.attributes.empty()) primitive.vertices = count;
-      check_count(item, primitive, name, count);
-      primitive.attributes.emplace(name, *accessor);
+      stream = data_.check_stream(item.needed_item("extensions").needed_item(draco_extension));
+    const auto check_attribute = [&](std::uint32_t accessor, const std::string& name, Role role) {
+      return stream && stream->has(name.c_str()) ? data_.check_compressed(accessor, role) : data_.check(accessor, role);
     };
-    read_attribute("POSITION", Role::position);
-    primitive.corners = !indices           ? primitive.vertices
-                        : primitive.stream ? data_.read_compressed(*indices, Role::indices)
-                                           : data_.read(*indices, Role::indices);
-    if (!primitive.stream) primitive.indices = indices;
+    const std::uint64_t vertices = check_attribute(*position, "POSITION", Role::position);
+    const auto check_count = [&](const Item& where, const std::string& name, std::uint64_t count) {
+      if (count != vertices) where.fail(fmt::format("has {} positions but {} of {}", vertices, count, name));
+    };
+    if (indices) stream ? data_.check_compressed(*indices, Role::indices) : data_.check(*indices, Role::indices);
     for (int set = 0; set < 8; ++set) {
-      read_attribute(fmt::format("JOINTS_{}", set), Role::joints);
-      read_attribute(fmt::format("WEIGHTS_{}", set), Role::weights);
+      for (const auto& [prefix, role] : {std::pair("JOINTS_", Role::joints), std::pair("WEIGHTS_", Role::weights)}) {
+        const std::string name = prefix + std::to_string(set);
+        const auto accessor = data_.named(attributes, name.c_str());
+        if (accessor) check_count(item, name, check_attribute(*accessor, name, role));
+      }
     }
     if (item.size("targets") != targets) {
       item.fail(fmt::format("has {} morph targets, but the mesh's first primitive has {}",
@@ -348,16 +327,10 @@ class DocumentReader {
     }
     for (std::size_t t = 0; t < targets; ++t) {
       const Item target = item.element("targets", item.where() + ", target", t);
-      primitive.targets.push_back(data_.named(target, "POSITION"));
-      if (const auto& accessor = primitive.targets.back())
-        check_count(target, primitive, "POSITION", data_.read(*accessor, Role::displacement));
+      const auto accessor = data_.named(target, "POSITION");
+      if (accessor) check_count(target, "POSITION", data_.check(*accessor, Role::displacement));
     }
-    return primitive;
-  }
-
-  static void check_count(const Item& item, const Primitive& primitive, const std::string& what, std::uint64_t count) {
-    if (count != primitive.vertices)
-      item.fail(fmt::format("has {} positions but {} of {}", primitive.vertices, count, what));
+    return true;
   }
 
   void warn_of_hidden() const {
@@ -384,15 +357,15 @@ class DocumentReader {
         for (std::size_t i = 0; i < root_.size(key); ++i)
           at(key, key, i);
       }
-      for (std::uint32_t i = 0; i < nodes().size(); ++i) {
+      for (std::uint32_t i = 0; i < node_count(); ++i) {
         const Item node = at("nodes", "node", i);
-        node.index("mesh", "mesh", document_.meshes.size());
-        read_transform(node);
+        node.index("mesh", "mesh", mesh_checked_.size());
+        check_transform(node);
       }
-      for (std::uint32_t i = 0; i < document_.meshes.size(); ++i)
-        read_mesh(i);
-      for (std::uint32_t i = 0; i < document_.skins.size(); ++i)
-        read_skin(i);
+      for (std::uint32_t i = 0; i < mesh_checked_.size(); ++i)
+        check_mesh(i);
+      for (std::uint32_t i = 0; i < skin_checked_.size(); ++i)
+        check_skin(i);
       data_.check_rest();
       for (std::size_t i = 0; i < root_.size("textures"); ++i)
         at("textures", "texture", i).index("source", "image", root_.size("images"));
@@ -410,12 +383,12 @@ class DocumentReader {
 
   const std::string& file_;
   const Parsed& parsed_;
-  const Item& root_;
-  Document document_;
-  DataReader data_;
+  Item& root_;
+  Document& document_;
+  DataChecker data_;
   std::vector<std::vector<std::uint32_t>> children_;
   UnknownKeys unknown_keys_;
-  std::vector<char> placed_, mesh_read_, skin_read_;
+  std::vector<char> transform_checked_, mesh_checked_, skin_checked_;
   std::vector<char> hidden_;  // itself or through an ancestor
   std::size_t primitives_ = 0, hidden_count_ = 0;
   std::string first_hidden_;
@@ -423,20 +396,14 @@ class DocumentReader {
 
 }  // namespace
 
-std::vector<Displacement> displacements_of(const Primitive& primitive, const std::vector<double>& weights) {
-  std::vector<Displacement> all;
-  for (std::size_t t = 0; t < weights.size(); ++t) {
-    if (weights[t] != 0 && primitive.targets[t]) all.push_back({*primitive.targets[t], weights[t]});
-  }
-  return all;
-}
-
-Document read_document(const std::string& file, const Container& container, std::optional<int> scene_index) {
+Document check_document(const std::string& file, const Container& container, std::optional<int> scene_index) {
   const Parsed parsed(file, container.json);
   refuse_outputs_in(file, parsed.json());
-  const Item root(file, parsed.json(), "the document");
+  Document document;
+  Item root(file, parsed.json(), "the document", &document.json);
   check_root(root);
-  return DocumentReader(root, parsed, container).read(scene_index);
+  DocumentChecker(root, parsed, container, document).check(scene_index);
+  return document;
 }
 
 }  // namespace palpa::geometry::gltf

@@ -117,9 +117,10 @@ std::string Parsed::whole(const std::string& value) const {
   return text;
 }
 
-Item::Item(const std::string& file, const Json& value, std::string where)
-    : file_(&file), value_(&value), where_(std::move(where)) {
+Item::Item(const std::string& file, const Json& value, std::string where, Json* reduced)
+    : file_(&file), value_(&value), reduced_(reduced), where_(std::move(where)) {
   if (!value.is_object()) fail("is not a JSON object");
+  if (reduced != nullptr && !reduced->is_object()) *reduced = Json::object();
 }
 
 void Item::fail(const std::string& fault) const {
@@ -133,7 +134,7 @@ std::optional<std::uint64_t> Item::whole(const char* key, std::uint64_t least, s
   if (!number) fail(fmt::format("\"{}\" is not a whole number", key));
   if (*number < least || *number > most)
     fail(fmt::format("\"{}\" is {}; it must lie within {} and {}", key, *number, least, most));
-  return number;
+  return write(key, *number);
 }
 
 std::uint64_t Item::needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const {
@@ -152,7 +153,7 @@ std::uint64_t Item::checked_index(const Json& value, const char* key, const char
 std::optional<std::uint32_t> Item::index(const char* key, const char* collection, std::size_t count) const {
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
-  return static_cast<std::uint32_t>(checked_index(*found, key, collection, count));
+  return write(key, static_cast<std::uint32_t>(checked_index(*found, key, collection, count)));
 }
 
 std::uint32_t Item::needed_index(const char* key, const char* collection, std::size_t count) const {
@@ -172,6 +173,7 @@ std::vector<std::uint32_t> Item::indices(const char* key, const char* collection
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) fail(fmt::format("\"{}\" names {} {} twice", key, collection, *twice));
+  write(key, result);
   return result;
 }
 
@@ -186,6 +188,7 @@ std::optional<std::vector<double>> Item::numbers(const char* key, std::size_t co
     result.push_back(value.get<double>());
     if (!std::isfinite(result.back())) fail(fmt::format("\"{}\" holds a number that is not finite", key));
   }
+  write(key, result);
   return result;
 }
 
@@ -193,13 +196,20 @@ std::optional<std::string> Item::string(const char* key) const {
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
   if (!found->is_string()) fail(fmt::format("\"{}\" is not a string", key));
-  return found->get<std::string>();
+  return write(key, found->get_ref<const std::string&>());
+}
+
+std::optional<bool> Item::boolean(const char* key) const {
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  if (!found->is_boolean()) fail(fmt::format("\"{}\" is neither true nor false", key));
+  return write(key, found->get<bool>());
 }
 
 std::optional<Item> Item::item(const char* key) const {
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
-  return Item(*file_, *found, where_ + ", " + key);
+  return Item(*file_, *found, where_ + ", " + key, reduced_ == nullptr ? nullptr : &(*reduced_)[key]);
 }
 
 Item Item::needed_item(const char* key) const {
@@ -221,7 +231,10 @@ std::size_t Item::size(const char* key) const {
 }
 
 Item Item::element(const char* key, const std::string& name, std::size_t index) const {
-  return {*file_, (*array(key))[index], fmt::format("{} {}", name, index)};
+  const Json& list = *array(key);
+  Json* reduced = reduced_ == nullptr ? nullptr : &(*reduced_)[key];
+  if (reduced != nullptr && !reduced->is_array()) *reduced = Json::array_t(list.size(), Json::object());
+  return {*file_, list[index], fmt::format("{} {}", name, index), reduced == nullptr ? nullptr : &(*reduced)[index]};
 }
 
 bool Item::has_extension(const char* name) const {

@@ -35,11 +35,13 @@ class Parsed {
   std::vector<std::string_view> long_strings_;  // into the text
 };
 
-/// An object of the document with its name for messages, e.g. "accessor 3".
+/// An object of the document with its name for messages, e.g. "accessor 3". Everything that is read from it is also
+/// written into a reduced copy of the document, if there is one: with numbers in their plain form (28 for 28.0) and
+/// nothing that is not checked.
 class Item {
  public:
-  /// Throws bad_input unless `value` is an object.
-  Item(const std::string& file, const Json& value, std::string where);
+  /// `reduced` is this object in the copy; nullptr: none. Throws bad_input unless `value` is an object.
+  Item(const std::string& file, const Json& value, std::string where, Json* reduced = nullptr);
 
   const Json& json() const { return *value_; }
   const std::string& where() const { return where_; }
@@ -47,6 +49,20 @@ class Item {
 
   /// Throws bad_input "<where>: <fault>".
   [[noreturn]] void fail(const std::string& fault) const;
+
+  /// Writes a member into the copy; returns the value.
+  template <typename T>
+  const T& write(const char* key, const T& value) const {
+    if (reduced_ != nullptr) (*reduced_)[key] = value;
+    return value;
+  }
+
+  /// Empties this object in the copy.
+  void forget() const {
+    if (reduced_ != nullptr) reduced_->clear();
+  }
+  /// From now on, nothing that is read from it, or from its members, goes into the copy.
+  void stop_writing() { reduced_ = nullptr; }
 
   bool has(const char* key) const { return value_->contains(key); }
   /// A whole number in [least, most]; nullopt if absent.
@@ -60,6 +76,7 @@ class Item {
   /// Exactly `count` finite numbers; nullopt if absent.
   std::optional<std::vector<double>> numbers(const char* key, std::size_t count) const;
   std::optional<std::string> string(const char* key) const;
+  std::optional<bool> boolean(const char* key) const;
   /// A member that is an object.
   std::optional<Item> item(const char* key) const;
   Item needed_item(const char* key) const;
@@ -77,6 +94,7 @@ class Item {
 
   const std::string* file_;
   const Json* value_;
+  Json* reduced_;
   std::string where_;
 };
 
