@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/input_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
@@ -294,6 +296,14 @@ PYBIND11_MODULE(_engine, m) {
   m.def(
       "_use_assets", [](pybind11::handle folder) { palpa::setup::set_asset_folder(bytes_of("folder", folder)); },
       "Look for palpa's own models and rigs in this folder.");
+  m.def(
+      "_text_of",
+      [](pybind11::handle file) {
+        constexpr std::uint64_t most_bytes = 64u << 20;
+        const std::string text = palpa::read_text_file(bytes_of("file", file), most_bytes);
+        return pybind11::bytes(text);
+      },
+      "The bytes of a file of text, without a byte order mark; refused in UTF-16.");
   m.def(
       "_use_guards",
       [](const pybind11::list& files) {

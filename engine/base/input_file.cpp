@@ -91,11 +91,21 @@ std::size_t mark_of(std::string_view text) {
   return text.starts_with(mark) ? mark.size() : 0;
 }
 
+std::string_view text_in(std::string_view bytes, const std::string& name) {
+  const auto is_letter = [](char c) { return c >= '\t' && c <= '~'; };
+  // Without a mark, the zero bytes beside Western letters tell.
+  const auto has_zeros = [&](std::size_t zero) {
+    return bytes.size() >= 4 && bytes[zero] == '\0' && bytes[2 + zero] == '\0' && is_letter(bytes[1 - zero]) &&
+           is_letter(bytes[3 - zero]);
+  };
+  if (has_zeros(0) || has_zeros(1) || bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+    throw bad_input(name, "is text in UTF-16; save it as UTF-8");
+  return bytes.substr(mark_of(bytes));
+}
+
 std::string read_text_file(const std::filesystem::path& path, std::uint64_t most_bytes) {
   std::string text = read_file(path, most_bytes);
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-    throw bad_input(path.string(), "is text in UTF-16; save it as UTF-8");
-  text.erase(0, mark_of(text));
+  text.erase(0, text.size() - text_in(text, path.string()).size());
   return text;
 }
 

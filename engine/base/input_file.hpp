@@ -46,7 +46,11 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
 /// The length of the byte order mark with which a text in UTF-8 begins: 3 or 0. Some editors and spreadsheets write it.
 std::size_t mark_of(std::string_view text);
 
-/// The whole of a text, without its byte order mark. Throws as read_file does, and bad_input for UTF-16.
+/// The text in the bytes of the file `name`: without its byte order mark. Throws bad_input, naming the file, for
+/// UTF-16. All text that palpa reads passes through here.
+std::string_view text_in(std::string_view bytes, const std::string& name);
+
+/// The whole of a text. Throws as read_file and text_in do.
 std::string read_text_file(const std::filesystem::path& path, std::uint64_t most_bytes);
 
 }  // namespace palpa

@@ -57,7 +57,9 @@ bool ReferenceFolder::holds(const fs::path& path) {
 }
 
 fs::path ReferenceFolder::find(const std::string& reference, const std::string& what) {
-  fs::path path = folder_ / reference;
+  std::string name = reference;
+  std::ranges::replace(name, '\\', '/');
+  fs::path path = folder_ / name;
   if (outside_allowed || holds(path)) return path;
   throw bad_input(naming_, fmt::format("{}: \"{}\" leads out of the folder of this file; --allow-outside permits that",
                                        what, printable(reference, 60)));

@@ -19,9 +19,10 @@ class ReferenceFolder {
   /// `naming` is the file that holds the references, for messages. References are relative to `folder`.
   ReferenceFolder(std::string naming, const std::filesystem::path& folder);
 
-  /// The path of the file that `reference` names, to be opened unchanged. Throws bad_input if the path, with symbolic
-  /// links and ".." resolved, is not in the folder or below it. The message names the file and `what` contains the
-  /// reference ("buffer 0"). Nothing is opened, and the error does not reveal whether anything exists outside.
+  /// The path of the file that `reference` names, to be opened unchanged. A backslash, which programs for Windows
+  /// write, is a slash. Throws bad_input if the path, with symbolic links and ".." resolved, is not in the folder or
+  /// below it. The message names the file and `what` contains the reference ("buffer 0"). Nothing is opened, and the
+  /// error does not reveal whether anything exists outside.
   std::filesystem::path find(const std::string& reference, const std::string& what);
 
  private:

@@ -168,6 +168,7 @@ TomlTable TomlTable::load(const std::filesystem::path& file, std::string_view wh
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file, std::string_view what,
                            const TomlLimits& limits, bool has_lines) {
+  text = text_in(text, file);
   guard_toml(text, file, limits);
   if (const std::uint64_t line = line_that_is_not_utf8(text); line != 0) {
     throw bad_input(file,

@@ -7,9 +7,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <utility>
 
 #include "base/error.hpp"
@@ -19,8 +21,9 @@ namespace palpa {
 namespace {
 
 /// A socket that is connected or bound to an address, as `attach` does: ::connect or ::bind.
+/// `absent`: the errors for which there is none, -1.
 int open_socket(const UdpAddress& address, const std::string& what, const char* doing,
-                int (*attach)(int, const sockaddr*, socklen_t)) {
+                int (*attach)(int, const sockaddr*, socklen_t), std::initializer_list<int> absent = {}) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
@@ -38,7 +41,7 @@ int open_socket(const UdpAddress& address, const std::string& what, const char* 
     }
   }
   freeaddrinfo(found);
-  if (attached < 0) {
+  if (attached < 0 && std::ranges::find(absent, last_fault) == absent.end()) {
     throw failure(
         fmt::format("{}: cannot {} {}:{}: {}", what, doing, address.host, address.port, std::strerror(last_fault)));
   }
@@ -59,7 +62,10 @@ UdpAddress parse_udp_address(const std::string& text, const std::string& form) {
 }
 
 UdpAddress parse_listening_address(const std::string& text, const std::string& form) {
-  return parse_udp_address(text.find(':') == std::string::npos ? "127.0.0.1:" + text : text, form);
+  if (text.find(':') != std::string::npos) return parse_udp_address(text, form);
+  UdpAddress address = parse_udp_address("127.0.0.1:" + text, form);
+  address.loopback = true;
+  return address;
 }
 
 UdpSender::UdpSender(const std::string& address, const std::string& what, const std::string& form)
@@ -85,20 +91,33 @@ void UdpSender::warn() {
 }
 
 UdpReceiver::UdpReceiver(const UdpAddress& address, const std::string& what)
-    : socket_(open_socket(address, what, "listen on", ::bind)) {}
+    : socket_(open_socket(address, what, "listen on", ::bind)) {
+  if (!address.loopback) return;
+  try {
+    socket6_ = open_socket({"::1", address.port}, what, "listen on", ::bind, {EAFNOSUPPORT, EADDRNOTAVAIL});
+  } catch (...) {
+    ::close(socket_);
+    throw;
+  }
+}
 
 UdpReceiver::~UdpReceiver() {
   ::close(socket_);
+  if (socket6_ >= 0) ::close(socket6_);
 }
 
 bool UdpReceiver::wait(double most_s) const {
-  pollfd look{.fd = socket_, .events = POLLIN, .revents = 0};
-  return ::poll(&look, 1, static_cast<int>(std::ceil(std::clamp(most_s, 0.0, 1e6) * 1e3))) > 0;
+  // The kernel leaves out a negative one.
+  std::array<pollfd, 2> look{{{socket_, POLLIN, 0}, {socket6_, POLLIN, 0}}};
+  return ::poll(look.data(), look.size(), static_cast<int>(std::ceil(std::clamp(most_s, 0.0, 1e6) * 1e3))) > 0;
 }
 
 std::optional<std::size_t> UdpReceiver::receive(std::span<char> into) const {
-  const ssize_t size = ::recv(socket_, into.data(), into.size(), MSG_DONTWAIT);
-  return size < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(size));
+  for (const int socket : {socket_, socket6_}) {
+    const ssize_t size = socket < 0 ? -1 : ::recv(socket, into.data(), into.size(), MSG_DONTWAIT);
+    if (size >= 0) return static_cast<std::size_t>(size);
+  }
+  return std::nullopt;
 }
 
 }  // namespace palpa

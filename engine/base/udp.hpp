@@ -11,10 +11,11 @@ namespace palpa {
 
 struct UdpAddress {
   std::string host, port;
+  bool loopback = false;  ///< this computer's: also ::1, where it has IPv6
 };
 /// HOST:PORT, or [HOST]:PORT for IPv6. Throws bad_usage for another form: `form` is the message.
 UdpAddress parse_udp_address(const std::string& text, const std::string& form);
-/// The same, or PORT of this computer's loopback.
+/// The same, or PORT of this computer's loopback: 127.0.0.1 and ::1.
 UdpAddress parse_listening_address(const std::string& text, const std::string& form);
 
 class UdpSender {
@@ -42,7 +43,8 @@ class UdpSender {
 
 class UdpReceiver {
  public:
-  /// Listens on this address. Throws failure() if it does not resolve, is not this machine's, or is taken.
+  /// Listens on this address. Throws failure() if it does not resolve, is not this machine's, or is taken. A loopback
+  /// without IPv6 is 127.0.0.1 alone.
   UdpReceiver(const UdpAddress& address, const std::string& what);
   ~UdpReceiver();
   UdpReceiver(const UdpReceiver&) = delete;
@@ -56,6 +58,7 @@ class UdpReceiver {
 
  private:
   int socket_;
+  int socket6_ = -1;  ///< of ::1
 };
 
 }  // namespace palpa

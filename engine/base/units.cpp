@@ -53,6 +53,7 @@ std::optional<double> parse_scaled(std::string_view number, int power) {
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) {
+  text = without_plus(text);
   double value = 0;
   const char* const end = text.data() + text.size();
   const auto [rest, fault] = std::from_chars(text.data(), end, value);
@@ -61,6 +62,7 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 std::optional<double> parse_quantity(std::string_view text, Quantity quantity) {
+  text = without_plus(text);
   double value = 0;
   const auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (fault != std::errc{} || !std::isfinite(value)) return std::nullopt;

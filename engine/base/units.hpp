@@ -11,12 +11,19 @@ namespace palpa {
 
 enum class Quantity { length, time, frequency, speed, pressure };
 
+/// The text without a plus sign before a number.
+constexpr std::string_view without_plus(std::string_view text) {
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+';
+  return text.substr(plus ? 1 : 0);
+}
+
 /// The finite number that the whole `text` represents.
 std::optional<double> parse_number(std::string_view text);
 
 /// The whole number that the whole `text` represents, if T can hold it.
 template <std::integral T>
 std::optional<T> parse_whole(std::string_view text) {
+  text = without_plus(text);
   T value = 0;
   const char* const end = text.data() + text.size();
   const auto [rest, fault] = std::from_chars(text.data(), end, value);

@@ -74,9 +74,14 @@ struct Times {
 Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   const std::string text = read_text_file(file, most_bytes);
   Times times;
+  std::size_t blank = 0;  // the first blank line
   Lines lines(text);
   while (const std::optional<std::string_view> line = lines.next()) {
     if (lines.cut()) break;
+    if (line->find_first_not_of(" \t") == std::string_view::npos) {
+      blank = blank == 0 ? lines.number() : blank;
+      continue;
+    }
     const auto fault = [&](const std::string& what) {
       return bad_input(file.string(), fmt::format("line {}: {}", lines.number(), what));
     };
@@ -109,6 +114,7 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
     times.rows.push_back(std::move(row));
     times.sequences.push_back(*sequence);
   }
+  if (blank > 0) log::warning(fmt::format("{}: line {} is blank; it counts as no frame", file.string(), blank));
   return times;
 }
 
@@ -234,12 +240,26 @@ void spread_times(double rate_hz, Recording& recording) {
 
 }  // namespace
 
+namespace {
+
+/// Files that other sources take.
+void refuse_other_source(const std::filesystem::path& file) {
+  const std::string head = InputFile(file).head(16);
+  if (head.starts_with("#ROSBAG"))
+    throw bad_input(file.string(), fmt::format("is a recording of RealSense Viewer: give it as bag:{}", file.string()));
+  if (head.starts_with('{'))
+    throw bad_input(file.string(), fmt::format("has lines of JSON: if they are hands, give joints:{}", file.string()));
+}
+
+}  // namespace
+
 Recording load_recording(const std::filesystem::path& folder_or_toml) {
   std::error_code error;
   const bool is_folder = std::filesystem::is_directory(folder_or_toml, error);
   const std::filesystem::path toml = is_folder ? folder_or_toml / "recording.toml" : folder_or_toml;
   ReferenceFolder folder(toml.string(), toml.parent_path());
   if (is_folder) folder.find("recording.toml", "the recording");  // it may be a link
+  refuse_other_source(toml);
   TomlTable root = TomlTable::load(toml, "a recording", {.bytes = 4u << 20});
   Recording recording;
   recording.file = toml.string();

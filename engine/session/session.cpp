@@ -56,7 +56,7 @@ struct Session::State {
   State(const gpu::Device* device, SessionSetting given)
       : setting((check_times(given), std::move(given))),
         field(field_of(setting)),
-        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule, felt_by()),
+        scheduler(setting.scene, setting.solids, setting.touch, setting.schedule, felt_by(), setting.hold_s),
         tracker(setting.solids, setting.events.value_or(EventOptions()), setting.hold_s) {
     names.reserve(setting.solids.size());
     for (const geometry::Solid& solid : setting.solids)
@@ -86,7 +86,7 @@ struct Session::State {
     planner->start(frame);
     while (!planner->step(plan, report)) {
     }
-    if (setting.events) events = tracker.update(*report.touch, frame.time_s);
+    if (setting.events) events = tracker.update(*report.touch, frame.time_s, report.hands);
     return *report.touch;
   }
 };
@@ -132,7 +132,7 @@ class Session::Observer final : public RunObserver {
     }
     if (fingers_) fingers_->planned(report, plan.schedule);
     caller_.planned(report, plan);
-    if (tracker_) tell(tracker_->update(*report.touch, report.time_s));
+    if (tracker_) tell(tracker_->update(*report.touch, report.time_s, report.hands));
   }
   void expired() override {
     caller_.expired();
@@ -359,6 +359,8 @@ void Session::change_feel(std::uint32_t solid, const FeelChange& change) {
 
 void Session::exchange_scene(Session& other) {
   other.state_->planner->number_from(state_->planner->next_id());
+  other.state_->scheduler.take_over(state_->scheduler);
+  other.state_->tracker.take_over(state_->tracker);
   std::swap(state_, other.state_);
 }
 

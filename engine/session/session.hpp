@@ -104,7 +104,8 @@ class Session {
   /// run(), call it only from RunObserver::planned and RunChanges::before_frame.
   void set_aim(const Vec3& offset);
 
-  /// Exchanges the two sessions' scenes. Ids of fingers go on counting. During run(), call it only from
+  /// Exchanges the two sessions' scenes. Ids of fingers go on counting, and a finger that presses does not press again.
+  /// During run(), call it only from
   /// RunChanges::take_scene, with a session that has the same setting except for the solids, the same slot, and no
   /// frame in progress. What was made with this session's values, such as its link, needs the first scene until its
   /// end.

@@ -167,7 +167,7 @@ def digest_of(path):
     if path.suffix.lower() in (".gltf", ".glb"):
         text = data[20:20 + int.from_bytes(data[12:16], "little")] if data[:4] == b"glTF" else data
         try:
-            named = [urllib.parse.unquote(buffer["uri"]) for buffer in json.loads(text)["buffers"] if "uri" in buffer]
+            named = [urllib.parse.unquote(buffer["uri"]).replace("\\", "/") for buffer in json.loads(text)["buffers"] if "uri" in buffer]
         except (ValueError, TypeError, KeyError):
             pass  # a broken model, or one without buffers
     elif path.suffix.lower() == ".toml":
@@ -199,7 +199,7 @@ class Plan:
         import tomllib
         self.files.append(pathlib.Path(self.name))
         try:
-            text = self.files[0].read_text(encoding="utf-8")
+            text = _engine._text_of(self.name).decode().replace("\r\n", "\n")
             if self.files[0].suffix != ".py":
                 return tomllib.loads(text)
             names = {"__name__": "plan", "__file__": self.name}

@@ -61,6 +61,14 @@ TEST(InputFile, ATextMayBeginWithAByteOrderMark) {
             wide.string() + ": is text in UTF-16; save it as UTF-8");
 }
 
+TEST(InputFile, TextInUtf16IsKnownWithoutAMark) {
+  using namespace std::string_view_literals;
+  for (const std::string_view bytes : {"{\0\"\0a\0"sv, "\0{\0\"\0a"sv, "\xff\xfe{\0"sv, "\xfe\xff\0{"sv})
+    EXPECT_REFUSED(text_in(bytes, "a.json"), "a.json: is text in UTF-16; save it as UTF-8");
+  for (const std::string_view bytes : {""sv, "{"sv, "{}"sv, "ab\0\0"sv, "\0\0\0\1"sv, "\x80\0\x80\0"sv, "\xc3\xa4"sv})
+    EXPECT_EQ(text_in(bytes, "a"), bytes);
+}
+
 TEST(InputFile, RefusesWhatIsTooLarge) {
   const auto file = file_with("five", "12345");
   EXPECT_EQ(fault_of(file, 5), "accepted");

@@ -45,6 +45,7 @@ TEST_F(ReferenceTest, ReferencesWithinTheFolderAreFollowed) {
   for (const char* inside : {"beside", "./beside", "deep/below", "deep/../beside", "deep/deeper/../../beside", "absent",
                              "no/such/file", "link-in", "folder-in/below", "folder-in/../beside", "deep//below"})
     EXPECT_EQ(ReferenceFolder("m", folder_).find(inside, "buffer 0"), folder_ / inside) << inside;
+  EXPECT_EQ(ReferenceFolder("m", folder_).find("deep\\below", "x"), folder_ / "deep/below") << "written on Windows";
   // An absolute name of a file inside, and a folder with another name.
   EXPECT_EQ(ReferenceFolder("m", folder_).find((folder_ / "beside").string(), "x"), folder_ / "beside");
   EXPECT_EQ(ReferenceFolder("m", top_ / "scene-link").find("beside", "x"), top_ / "scene-link/beside");
@@ -58,7 +59,7 @@ TEST_F(ReferenceTest, ReferencesOutOfTheFolderAreRefused) {
         std::string("folder-out/secret"), std::string("deep/link-to-link"), std::string("dangling-out"),
         std::string("../scene-of-another/x"), std::string("../absent"), std::string(".."), std::string("deep/../.."),
         std::string("folder-in/../../secret"), std::string("no/../../absent"), std::string("/dev/zero"),
-        std::string("/etc/hostname"), (top_ / "secret").string()}) {
+        std::string("/etc/hostname"), std::string("..\\secret"), std::string("deep\\..\\..\\secret"), (top_ / "secret").string()}) {
     const Error error = fault(outside);
     EXPECT_EQ(error.code(), Exit::bad_input) << outside;
     EXPECT_EQ(std::string(error.what()).rfind("scene/model.gltf: buffer 3: \"" + outside.substr(0, 20), 0), 0u)

@@ -62,11 +62,23 @@ TEST(Units, EveryTenthOfAMillimetreIsExact) {
 TEST(Units, AnythingElseIsRefused) {
   for (const char* text :
        {"",       " ",       "mm",    "m",       "one",   "1.5 mm", " 1.5mm",   "1.5mm ",      "1.5mm\n", "1.5MM",
-        "1.5mmm", "1.5inch", "1,5mm", "1.5.2mm", "--1mm", "+1mm",   "0x10mm",   "1e999",       "-1e999",  "1e999mm",
+        "1.5mmm", "1.5inch", "1,5mm", "1.5.2mm", "--1mm", "+-1mm",  "0x10mm",   "1e999",       "-1e999",  "1e999mm",
         "nan",    "NaN",     "nanmm", "inf",     "-inf",  "infmm",  "infinity", "1.5\xc2\xb5m"}) {
     EXPECT_EQ(parse_quantity(text, length), std::nullopt) << '"' << text << '"';
   }
   EXPECT_EQ(parse_quantity(std::string_view("1\0mm", 4), length), std::nullopt);
+}
+
+TEST(Units, APlusBelongsToTheNumber) {
+  EXPECT_EQ(parse_number("+20"), 20);
+  EXPECT_EQ(parse_number("+.5e+1"), 5);
+  EXPECT_EQ(parse_whole<int>("+20"), 20);
+  EXPECT_EQ(parse_quantity("+1mm", length), 0.001);
+  for (const char* text : {"+", "++1", "+-1", "-+1", "+ 1", "+inf", "+nan", "+mm"}) {
+    EXPECT_EQ(parse_number(text), std::nullopt) << text;
+    EXPECT_EQ(parse_whole<int>(text), std::nullopt) << text;
+    EXPECT_EQ(parse_quantity(text, length), std::nullopt) << text;
+  }
 }
 
 TEST(Units, HintsShowAUsableExample) {

@@ -59,7 +59,12 @@ TEST(Gltf, EmbeddedBesideAndBinaryGiveTheSame) {
     test::write_text(file("d.gltf"), escaped);
     builder.write_with_bin(file("b.gltf"));
     builder.write_glb(file("c.glb"));
-    for (const char* name : {"a.gltf", "b.gltf", "c.glb", "d.gltf"}) {
+    // With a byte order mark, and a backslash as programs for Windows write it.
+    std::filesystem::create_directories(file("parts"));
+    std::filesystem::copy_file(file("b data.bin"), file("parts") / "e.bin",
+                               std::filesystem::copy_options::overwrite_existing);
+    test::write_text(file("e.gltf"), "\xEF\xBB\xBF" + builder.text("parts\\e.bin"));
+    for (const char* name : {"a.gltf", "b.gltf", "c.glb", "d.gltf", "e.gltf"}) {
       const Scene scene = load_gltf(file(name));
       EXPECT_EQ(scene.file, file(name).string());
       ASSERT_EQ(scene.meshes.size(), 1U) << name;

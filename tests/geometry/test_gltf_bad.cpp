@@ -74,7 +74,12 @@ TEST(BadGltf, InvalidJsonIsRefused) {
   std::string many = "{\"a\": [0";
   for (int i = 0; i < 2'100'000; ++i)
     many += ",0";
-  expect_text_faults({{"hello", "neither glTF"},
+  std::string wide;
+  for (const char c : std::string("{\"asset\": {\"version\": \"2.0\"}}"))
+    wide += std::string{c, '\0'};
+  expect_text_faults({{"\xff\xfe" + wide, "is text in UTF-16; save it as UTF-8"},
+                      {wide, "is text in UTF-16; save it as UTF-8"},
+                      {"hello", "neither glTF"},
                       {"{\n\n  \"asset\": }", "syntax error at line 3"},
                       {R"({"asset": {"version": "2.0"}} trailing)", "syntax error at character 33"},
                       {"{\"a\": \"\xff\xfe\"}", "syntax error"},

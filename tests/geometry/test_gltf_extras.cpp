@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <string>
+#include <utility>
 
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/gltf_builder.hpp"
@@ -207,6 +210,15 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
                   "palpa does not know \"palpa_touchabel\"; did you mean \"palpa_touchable\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
+  for (const char* key : {"palpa-foci", "palpaFoci", "Palpa_foci", "palpa.foci", "palpafoci", "palpa foci",
+                          "PALPA_FOCI", "palpa:foci", "Palpa Foci"}) {
+    EXPECT_CONTAINS(extras_warnings_of({{key, 8}}), "did you mean \"palpa_foci\"?") << key;
+  }
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa-press-depth-m", 0.003}}), "did you mean \"palpa_press_depth_m\"?");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpaPressDepth", 0.003}}), "did you mean \"palpa_press_depth_m\"?");
+  EXPECT_CONTAINS(extras_warnings_of({{"Palpa-colour", "red"}}), "known are touchable, delta_m");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"pressDepthM", 1}}}}), "did you mean \"press_depth_m\"?");
+  EXPECT_EQ(extras_warnings_of({{"palpable", true}, {"palpation", 3}, {"my_palpa_foci", 8}}), "");
   // A file full of them prints only a few lines.
   Json many;
   for (int i = 0; i < 1000; ++i)
@@ -218,10 +230,36 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
 TEST(Extras, ExtrasOfAMeshAreAWarning) {
   GltfBuilder builder = cube_with(Json::object());
   builder.doc["meshes"][0]["extras"] = {{"palpa_delta_m", 0.001}};
-  EXPECT_CONTAINS(warnings_of(builder), "mesh 0: palpa reads the extras of nodes");
+  EXPECT_CONTAINS(warnings_of(builder), "mesh 0: palpa reads only the extras of nodes");
   EXPECT_EQ(load(builder).meshes.at(0).haptics, Haptics{});
   builder.doc["meshes"][0]["extras"] = {{"targetNames", {"a"}}};
   EXPECT_EQ(warnings_of(builder), "");
+}
+
+TEST(Extras, ExtrasElsewhereAreAWarningWithTheirPlace) {
+  const Json extras = {{"palpa_texture", {0.2, 1, 0.6}}};
+  const std::string belong = ": palpa reads only the extras of nodes";
+  const std::pair<std::string, std::function<void(Json&)>> table[]{
+      {"material 0",
+       [&](Json& doc) {
+         doc["materials"] = {{{"name", "rough"}, {"extras", extras}}};
+       }},
+      {"scene 0", [&](Json& doc) { doc["scenes"][0]["extras"] = extras; }},
+      {"the file",
+       [&](Json& doc) {
+         doc["extras"] = {{"palpa", {{"foci", 8}}}};
+       }},
+      {"mesh 0, primitive", [&](Json& doc) { doc["meshes"][0]["primitives"][0]["extras"] = extras; }},
+      {"camera 1",
+       [&](Json& doc) {
+         doc["cameras"] = {Json::object(), {{"extras", {{"palpaFoci", 8}}}}};
+       }},
+  };
+  for (const auto& [place, change] : table) {
+    GltfBuilder builder = cube_with(Json::object());
+    change(builder.doc);
+    EXPECT_CONTAINS(warnings_of(builder), place + belong);
+  }
 }
 
 TEST(Extras, ChildrenInheritValueByValue) {

@@ -135,6 +135,20 @@ def test_plans(tmp_path, text, says):
     assert "\n" not in str(caught.value) and not (tmp_path / "out").exists()
 
 
+def test_encodings(tmp_path):
+    text = "command = \"drive\"\n[options]\nlayout = \"openmpd\"\nfocus = \"0,0,0.1\"\n"
+    for name, code in (("plan.toml", text), ("plan.py", "plan = {'command': 'drive', 'options': {'layout': 'openmpd', 'focus': '0,0,0.1'}}\n")):
+        plan = tmp_path / name
+        for encoding in ("utf-8", "utf-8-sig"):
+            plan.write_bytes(code.replace("\n", "\r\n").encode(encoding))
+            assert len(Plan(plan).cases()) == 1
+        for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
+            plan.write_bytes(code.encode(encoding))
+            with pytest.raises(palpa.BadInput) as caught:
+                Plan(plan)
+            assert str(caught.value) == f"{plan}: is text in UTF-16; save it as UTF-8" and caught.value.file == str(plan)
+
+
 def test_values():
     read = Plan({"command": "field", "options": {"layout": "openmpd", "plane": "xz", "size": (0.1, 0.05), "focus": [[0, 0, 0.1], "0,0,12cm,0.5"]}, "vary": {
         "temperature": {"from": 15, "to": "16", "count": 4}, "frequency": {"from": "39kHz", "to": "41kHz", "count": 3}, "no-absorption": [True, False],

@@ -339,7 +339,7 @@ def test_the_command(plan, tmp_path):
     for words, code, says in (
             ([plan], 2, "the following arguments are required: --out"), ([plan, "--out", out, "--cliam"], 2, "unrecognized arguments: --cliam"),
             ([plan, "--out", out, "--gather", out / "t.csv"], 1, "6 of 12 cases have no result yet"),
-            (["none.toml", "--out", out], 4, "none.toml: No such file or directory"), ([plan, "--out", out, "--gpu", "no such GPU"], 3, "no such GPU")):
+            (["none.toml", "--out", out], 4, "none.toml: no such file"), ([plan, "--out", out, "--gpu", "no such GPU"], 3, "no such GPU")):
         done = command(*words)
         assert done.returncode == code and re.fullmatch(f"palpa.sweeps: .*{says}.*\n", done.stderr) and done.stdout == "", done
     plan.write_text(PLAN.replace('"naive", "gs-pat", ', ""))

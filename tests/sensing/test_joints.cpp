@@ -186,10 +186,9 @@ TEST(Joints, InDoubtGiveNoHand) {
   const std::pair<TrackedHand, HandDoubt> table[]{
       {changed([](TrackedHand& h) { h.joints[4].z = 10.1; }), HandDoubt::far},
       {changed([](TrackedHand& h) { h.joints[4] *= 1e3; }), HandDoubt::far},
-      {changed([](TrackedHand& h) { h.radii_m[4] = 0; }), HandDoubt::size},
-      {changed([](TrackedHand& h) { h.radii_m[4] = 0.041; }), HandDoubt::size},
-      {changed([](TrackedHand& h) { h.radii_m[25] = -8e-3; }), HandDoubt::size},
-      {changed([](TrackedHand& h) { h.joints[10].y -= 0.14; }), HandDoubt::size},
+      {changed([](TrackedHand& h) { h.radii_m[4] = 0; }), HandDoubt::radius},
+      {changed([](TrackedHand& h) { h.joints.fill(Vec3(0)); }), HandDoubt::size},
+      {changed([](TrackedHand& h) { h.joints[10].y -= 0.14; }), HandDoubt::shape},
   };
   for (const auto& [odd, doubt] : table) {
     EXPECT_EQ(frames.see({odd, other}), doubt) << to_text(doubt);
@@ -231,6 +230,40 @@ TEST(Joints, ThatDoNotMoveByABitGiveNoHand) {
   TrackedHand thicker = hand;
   thicker.radii_m[0] += 1e-5;
   EXPECT_EQ(frames.see({thicker}, 0.3), HandDoubt::frozen) << "a radius is no movement";
+}
+
+TEST(Joints, ThatChangeTheirSideGiveNoHandForAWhile) {
+  const auto at = [](double x, bool left) {
+    TrackedHand hand = test::pointing_hand({x, 0.1, 0});
+    hand.left = left;
+    return hand;
+  };
+  // A tracker that takes a hand for a left and a right one in turn, 30 mm beside it; in the second case, it loses it
+  // between.
+  for (const int lost : {0, 3}) {
+    Frames frames;
+    std::size_t hands = 0;
+    for (int i = 0; i < 200; ++i) {
+      const bool left = i / (lost + 1) % 2 == 1;
+      const bool seen = i % (lost + 1) == 0;
+      frames.see(seen ? std::vector{at(left ? 0.03 : 1e-6 * i, left)} : std::vector<TrackedHand>());
+      hands += frames.left;
+    }
+    EXPECT_EQ(hands, 1U) << "the first";
+  }
+  Frames frames;
+  frames.see({at(0, false)});
+  EXPECT_EQ(frames.see({at(0, true)}), HandDoubt::side);
+  EXPECT_EQ(frames.see({at(0.001, true)}, 0.2), HandDoubt::side);
+  EXPECT_EQ(frames.see({at(0.002, true)}, 0.1), std::nullopt) << "it stays";
+
+  // One hand after the other, elsewhere; a second one that comes, and the first that goes.
+  frames = Frames();
+  frames.see({at(0, false)});
+  frames.see({});
+  EXPECT_EQ(frames.see({at(0.3, true)}), std::nullopt);
+  EXPECT_EQ(frames.see({at(0.3001, true), at(0, false)}), std::nullopt);
+  EXPECT_EQ(frames.see({at(0.0001, false)}), std::nullopt);
 }
 
 /// How many of 300 frames, 10 ms apart, have a hand, of a tracker whose clock runs on by `later_s` from each to the
@@ -320,7 +353,8 @@ TEST_F(JointsFile, TellsOnceOfHandsInDoubtAndCountsThem) {
     while (tracker->next(frame, came, number, 0))
       EXPECT_TRUE(frame.hands.empty());
   });
-  const std::string kind = "a hand with a radius outside of 1 to 40 mm, or with a bone longer than 150 mm\n";
+  const std::string kind =
+      "a hand with a radius outside of 3 to 40 mm (3 to 25 mm at fingers), or far from those of its other fingers\n";
   EXPECT_EQ(said, "palpa: warning: joints:" + file.string() + ": palpa leaves out " + kind +
                       "palpa: warning: joints:" + file.string() + ": 3 times, palpa left out " + kind);
 }
@@ -334,6 +368,29 @@ TEST(LeftOut, TellsEachReasonOnce) {
   const std::string warning = "palpa: warning: it: ", kind = "a datagram that is no frame";
   EXPECT_EQ(said, warning + "palpa leaves out " + kind + ": one\n" + warning + "palpa leaves out " + kind + ": two\n" +
                       warning + "4 times, palpa left out " + kind + "\n");
+}
+
+TEST_F(JointsFile, MayEndWithinALine) {
+  const std::string whole = test::line_of({1, {test::pointing_hand({0, 0.1, 0})}}) + "\n";
+  const std::string next = test::line_of({1.01, {test::pointing_hand({0, 0.1, 0})}});
+  for (const std::size_t length : {std::size_t{1}, next.size() / 2, next.size() - 1, next.size()}) {
+    const std::filesystem::path file = write(whole + next.substr(0, length));
+    int frames = 0;
+    const std::string said = test::stderr_of([&] {
+      const auto tracker = open_tracker(file, false);
+      TrackedFrame frame;
+      bool came = false;
+      std::uint64_t number = 0;
+      while (tracker->next(frame, came, number, 0))
+        ++frames;
+    });
+    EXPECT_EQ(frames, length == next.size() ? 2 : 1);
+    EXPECT_EQ(said, length == next.size() ? ""
+                                          : "palpa: warning: " + file.string() +
+                                                ": line 2: it has no end, and is no whole frame; it is left out\n");
+  }
+  EXPECT_REFUSED(open_tracker(write(next.substr(0, 40)), true), "line 1");
+  EXPECT_REFUSED(open_tracker(write(whole + next.substr(0, 40) + "\n"), true), "line 2");
 }
 
 TEST_F(JointsFile, IsRefusedWithTheLine) {

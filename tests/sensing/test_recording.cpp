@@ -130,6 +130,25 @@ TEST(Recording, ItsTimesMayBeginWithAByteOrderMark) {
   EXPECT_EQ(load_recording(folder).entries.size(), 2u);
 }
 
+TEST(Recording, ABlankLineOfItsTimesIsAWarning) {
+  const fs::path folder = fresh("blank");
+  write(folder, random_take(1, 2));
+  test::write_text(folder / "times.csv", test::read_text(folder / "times.csv") + "\r\n \n");
+  std::size_t frames = 0;
+  const std::string said = test::stderr_of([&] { frames = load_recording(folder).entries.size(); });
+  EXPECT_EQ(frames, 2U);
+  EXPECT_EQ(said, "palpa: warning: " + (folder / "times.csv").string() + ": line 4 is blank; it counts as no frame\n");
+}
+
+TEST(Recording, OfAnotherSourceSaysWhichTakesIt) {
+  const fs::path folder = fresh("others");
+  fs::create_directories(folder);
+  test::write_text(folder / "take.bag", "#ROSBAG V2.0\nE");
+  EXPECT_REFUSED(load_recording(folder / "take.bag"), "give it as bag:" + (folder / "take.bag").string());
+  test::write_text(folder / "hands.jsonl", "{\"t_s\": 1, \"hands\": []}\n");
+  EXPECT_REFUSED(load_recording(folder / "hands.jsonl"), "give joints:" + (folder / "hands.jsonl").string());
+}
+
 TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {
   const fs::path folder = fresh("crash");
   const Take take = random_take(2, 4);

@@ -8,9 +8,12 @@
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
+#include "base/error.hpp"
+#include "base/udp.hpp"
 #include "sensing/joints/tracker.hpp"
 #include "support/captured.hpp"
 #include "support/instrumented.hpp"
@@ -184,6 +187,30 @@ TEST(UdpTracker, AFloodNeitherBlocksNorGrows) {
     });
     EXPECT_LT(said.size(), 1000U) << said;
   }
+}
+
+TEST(UdpTracker, ListensOnBothAddressesOfTheLoopback) {
+  Heard heard;
+  std::optional<UdpSender> six;
+  try {
+    six.emplace("[::1]:" + std::to_string(heard.port), "test", "");
+  } catch (const Error&) {
+    GTEST_SKIP() << "skipped: no IPv6";
+  }
+  ASSERT_TRUE(six->send(frame_at(1)));
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.time_s, 1);
+  heard.sender.send(frame_at(1.01));
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.time_s, 1.01);
+  ASSERT_TRUE(six->send(frame_at(1.02)));
+  ASSERT_TRUE(heard.next());
+  EXPECT_EQ(heard.frame.time_s, 1.02);
+
+  // One that listens on an address listens on no other.
+  const std::uint16_t port = test::free_udp_port();
+  const auto own = open_tracker("udp:127.0.0.1:" + std::to_string(port), true);
+  EXPECT_NO_THROW(open_tracker("udp:[::1]:" + std::to_string(port), true));
 }
 
 TEST(UdpTracker, ListensOnTheLoopbackUnlessItIsToldOtherwise) {

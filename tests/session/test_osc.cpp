@@ -235,6 +235,28 @@ TEST_F(OscTest, EachReasonIsToldOnce) {
   EXPECT_EQ(times("a message is refused: /palpa/pose/sphere: "), 1U) << said;
 }
 
+TEST_F(OscTest, OtherArgumentsAreNamedByTheirAddress) {
+  for (const std::string types : {"[f]", "r", "c", "N", "I", "[]", "s", "b"}) {
+    const std::string value = types == "N" || types == "I" || types == "[]" ? "" : std::string("\0\0\0\0", 4);
+    const std::string said = test::stderr_of([&] {
+      Osc osc(address);
+      osc.listen(session, moves);
+      settle(osc, padded("/palpa/mute") + padded("," + types) + value);
+      EXPECT_EQ(osc.end().refused, 1U);
+    });
+    EXPECT_CONTAINS(said, "a message is refused: /palpa/mute: give 1 or 0; ") << types;
+  }
+  for (const std::string& broken : {std::string("/palpa/mute"), padded("/palpa/mute") + ",[f",
+                                    padded("/palpa/mute") + padded(",[?]"), padded("/palpa/mute") + padded("[f]")}) {
+    const std::string said = test::stderr_of([&] {
+      Osc osc(address);
+      osc.listen(session, moves);
+      settle(osc, broken);
+    });
+    EXPECT_CONTAINS(said, "a datagram is no OSC message") << broken;
+  }
+}
+
 TEST_F(OscTest, OnlyASessionThatExpectsItChangesItsFeel) {
   Session plain{SessionSetting{.solids = cube_called("cube")}};
   EXPECT_ERROR(plain.change_feel(0, {.click = geometry::Click()}), Exit::usage, "no feel_may_change");

@@ -8,11 +8,14 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "fakes.hpp"
 #include "hand_motion.hpp"
+#include "sensing/joints/hand_check.hpp"
 #include "sensing/joints/read_frame.hpp"
 #include "sensing/joints/tracked_source.hpp"
 #include "session/replay.hpp"
@@ -191,6 +194,41 @@ TEST_P(Tracked, ARecordedHandTouches) {
     }
     EXPECT_GT(frames, 280);
     EXPECT_GE(touching, 3);
+  }
+}
+
+TEST(Recordings, OfRealHandsLoseNoFrameThatIsRight) {
+  // Frames, hands, and those left out because a joint moved faster than 5 m/s.
+  struct Row {
+    const char* name;
+    std::size_t frames, hands, jumps;
+  };
+  for (const Row& row : {Row{"HandSplay-110fps", 288, 288, 0},
+                         {"Waiting-110fps", 326, 326, 0},
+                         {"brian", 500, 500, 0},
+                         {"flapping", 328, 656, 0},
+                         {"grab", 374, 374, 0},
+                         {"pinch", 307, 307, 0},
+                         {"rollAndPitchWithEntry", 808, 808, 0},
+                         {"test-paddle-rightwards", 367, 367, 1},
+                         {"wave", 111, 111, 0}}) {
+    SCOPED_TRACE(row.name);
+    PALPA_SHARED_OR_SKIP(packed, std::string("hand-motion/") + row.name + ".leap6.jsonl.gz");
+    std::istringstream lines(test::unpacked(packed));
+    sensing::HandCheck check;
+    Row found{row.name, 0, 0, 0};
+    for (std::string line; std::getline(lines, line);) {
+      std::optional<sensing::TrackedFrame> frame = sensing::read_frame(line, "line");
+      if (!frame) continue;
+      ++found.frames;
+      found.hands += frame->hands.size();
+      const auto doubt = check.check(*frame, frame->time_s);
+      found.jumps += doubt == sensing::HandDoubt::jump ? 1 : 0;
+      EXPECT_TRUE(!doubt || doubt == sensing::HandDoubt::jump) << to_text(*doubt) << ", frame " << found.frames;
+    }
+    EXPECT_EQ(found.frames, row.frames);
+    EXPECT_EQ(found.hands, row.hands);
+    EXPECT_EQ(found.jumps, row.jumps);
   }
 }
 

@@ -85,17 +85,14 @@ Container read_container(const InputFile& file) {
   if (head.starts_with("glTF")) {
     container = read_glb(file);
   } else {
-    const std::size_t mark = mark_of(head);
-    const std::size_t first = head.find_first_not_of(" \t\r\n", mark);
-    if (first == std::string::npos || head[first] != '{') {
+    const std::string_view text = text_in(head, file.name());
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos || text[first] != '{') {
       throw bad_input(file.name(), "is neither glTF (JSON, beginning with '{') nor .glb (beginning with \"glTF\")");
     }
     container.json = read_text(file, 0, file.size());
   }
-  if (const std::size_t mark = mark_of(container.json); mark > 0) {
-    log::warning(fmt::format("{}: its JSON begins with a byte order mark, which glTF does not allow", file.name()));
-    container.json.erase(0, mark);
-  }
+  container.json = text_in(container.json, file.name());
   return container;
 }
 

@@ -276,9 +276,7 @@ class DocumentChecker {
     mesh_checked_[m] = 1;
     check_name(item);
     if (has_palpa_extras(item)) {
-      log::warning(fmt::format(
-          "{}: {}: palpa reads the extras of nodes (Blender: the object's custom properties), not those of meshes",
-          file_, item.where()));
+      log::warning(fmt::format("{}: {}: {}", file_, item.where(), extras_belong_to_nodes));
     }
     check_weights(item, targets);
     primitives_ += primitives;
@@ -347,6 +345,8 @@ class DocumentChecker {
       log::warning(fmt::format("{}: {}: extras: palpa does not know {}; {}", file_, where, text::quoted(key),
                                explain_unknown(key)));
     }
+    for (const std::string& where : extras_elsewhere(root_))
+      log::warning(fmt::format("{}: {}: {}", file_, where, extras_belong_to_nodes));
   }
 
   // The first fault in parts that the scene does not refer to; empty if there is none.

@@ -18,6 +18,53 @@ const std::array<std::string, 14> keys{"touchable", "delta_m",     "foci",      
                                        "intensity", "pressure_pa", "press_depth_m", "click",  "stiffness",
                                        "texture",   "grain_m",     "part_of",       "seam_m"};
 
+constexpr std::string_view prefix = "palpa_";
+
+/// Letters and digits alone, in lower case.
+std::string squashed(std::string_view text) {
+  std::string letters;
+  for (const char c : text) {
+    if (c >= 'A' && c <= 'Z') letters += static_cast<char>(c - 'A' + 'a');
+    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) letters += c;
+  }
+  return letters;
+}
+
+/// The known key that is spelt like this, or nearly; empty if there is none.
+std::string key_like(std::string_view spelt) {
+  const std::string letters = squashed(spelt);
+  const auto same = std::ranges::find(keys, letters, squashed);
+  if (same != keys.end()) return *same;
+  const auto without_unit = std::ranges::find_if(keys, [&](const std::string& known) {
+    return letters.size() >= 4 && squashed(known).starts_with(letters);
+  });
+  return without_unit != keys.end() ? *without_unit : nearest_word(spelt, keys);
+}
+
+/// Whether a key is palpa's in another spelling, such as palpa-foci, palpaFoci, Palpa_foci or palpafoci, and not
+/// another word, such as palpable.
+bool is_misspelt(const std::string& key) {
+  constexpr std::string_view name = "palpa";
+  if (key == name || key.starts_with(prefix) || !squashed(key.substr(0, name.size())).starts_with(name)) return false;
+  const std::string_view rest = std::string_view(key).substr(name.size());
+  const bool goes_on = !rest.empty() && rest[0] >= 'a' && rest[0] <= 'z';
+  return !goes_on || std::ranges::find(keys, squashed(rest), squashed) != keys.end();
+}
+
+bool has_palpa_keys(const Json& extras) {
+  if (!extras.is_object()) return false;
+  for (const auto& [key, value] : extras.items()) {
+    if (key == "palpa" || key.starts_with(prefix) || is_misspelt(key)) return true;
+  }
+  return false;
+}
+
+bool has_palpa_extras(const Json& item) {
+  if (!item.is_object()) return false;
+  const auto found = item.find("extras");
+  return found != item.end() && has_palpa_keys(*found);
+}
+
 struct Range {
   double low, high;
   bool open;  // excludes its low end
@@ -165,8 +212,8 @@ NodeHaptics read_extras(const Item& node, UnknownKeys& unknown) {
       if (!take(result, key, {node, key, value})) remember(key);
     }
   }
-  constexpr std::string_view prefix = "palpa_";
   for (const auto& [name, value] : found->items()) {
+    if (is_misspelt(name)) remember(name);
     if (!name.starts_with(prefix)) continue;
     const std::string key = name.substr(prefix.size());
     const Entry entry{node, name, value};
@@ -203,22 +250,44 @@ Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent)
 }
 
 bool has_palpa_extras(const Item& item) {
-  const auto found = item.json().find("extras");
-  if (found == item.json().end() || !found->is_object()) return false;
-  for (const auto& [key, value] : found->items()) {
-    if (key == "palpa" || key.starts_with("palpa_")) return true;
+  return has_palpa_extras(item.json());
+}
+
+std::vector<std::string> extras_elsewhere(const Item& root) {
+  constexpr std::size_t most = 8;
+  constexpr std::pair<const char*, const char*> lists[]{{"scenes", "scene"},         {"materials", "material"},
+                                                        {"cameras", "camera"},       {"skins", "skin"},
+                                                        {"animations", "animation"}, {"meshes", "mesh"}};
+  std::vector<std::string> places;
+  const auto look_at = [&](const Json& item, const std::string& place) {
+    if (places.size() < most && has_palpa_extras(item)) places.push_back(place);
+  };
+  const Json none = Json::array();
+  const auto list_of = [&](const Json& item, const char* key) -> const Json& {
+    const auto found = item.is_object() ? item.find(key) : item.end();
+    return found != item.end() && found->is_array() ? *found : none;
+  };
+  look_at(root.json(), "the file");
+  for (const auto& [key, name] : lists) {
+    std::size_t index = 0;
+    for (const Json& item : list_of(root.json(), key)) {
+      const std::string place = fmt::format("{} {}", name, index++);
+      if (key != std::string_view("meshes")) look_at(item, place);
+      for (const Json& primitive : list_of(item, "primitives"))
+        look_at(primitive, place + ", primitive");
+    }
   }
-  return false;
+  return places;
 }
 
 std::string explain_unknown(const std::string& key) {
-  const std::string_view prefix = key.starts_with("palpa_") ? "palpa_" : "";
-  const std::string_view bare = std::string_view(key).substr(prefix.size());
-  const auto without_unit =
-      std::ranges::find_if(keys, [&](const std::string& known) { return bare.size() >= 4 && known.starts_with(bare); });
-  const std::string meant = without_unit != keys.end() ? *without_unit : nearest_word(bare, keys);
+  const bool flat = key.starts_with(prefix) || is_misspelt(key);
+  std::string_view bare = key;
+  if (flat) bare.remove_prefix(prefix.size() - 1);
+  bare.remove_prefix(std::min(bare.find_first_not_of("_-.: "), bare.size()));
+  const std::string meant = key_like(bare);
   return meant.empty() ? fmt::format("known are {}", fmt::join(keys, ", "))
-                       : fmt::format("did you mean \"{}{}\"?", prefix, meant);
+                       : fmt::format("did you mean \"{}{}\"?", flat ? prefix : "", meant);
 }
 
 }  // namespace palpa::geometry::gltf

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "geometry/gltf_document/json.hpp"
 #include "geometry/haptics.hpp"
@@ -19,7 +20,7 @@ struct NodeHaptics {
   std::optional<double> seam_m;  ///< 0 to 1 m, see Parts::seam_m
 };
 
-/// Keys that begin with "palpa" but have no meaning, each with the name of the first node that has it.
+/// Keys that begin with "palpa" in any spelling but have no meaning, each with the name of the first node that has it.
 using UnknownKeys = std::map<std::string, std::string>;
 
 /// Reads {"palpa": {"delta_m": 0.0015, ...}} and the flat form {"palpa_delta_m": 0.0015, ...} of the node's `extras`;
@@ -35,7 +36,16 @@ Haptics inherit(const Item& node, const NodeHaptics& own, const Haptics& parent)
 /// Whether an object has keys that read_extras() would read or warn about.
 bool has_palpa_extras(const Item& item);
 
-/// For "palpa_delta": the key that was probably meant, for the warning; all known keys if none is similar.
+/// For the warning of keys elsewhere.
+inline constexpr const char* extras_belong_to_nodes =
+    "palpa reads only the extras of nodes (Blender: the object's custom properties)";
+
+/// The places, at most 8, where extras beside those of nodes and meshes have such keys: "material 0". They have no
+/// meaning there.
+std::vector<std::string> extras_elsewhere(const Item& root);
+
+/// For "palpa_delta" or "palpaDelta": the key that was probably meant, for the warning; all known keys if none is
+/// similar.
 std::string explain_unknown(const std::string& key);
 
 }  // namespace palpa::geometry::gltf

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/input_file.hpp"
+#include "base/log.hpp"
 #include "sensing/joints/hand_check.hpp"
 #include "sensing/joints/left_out.hpp"
 #include "sensing/joints/read_frame.hpp"
@@ -27,9 +28,16 @@ std::vector<TrackedFrame> load_frames(const std::string& file) {
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text.substr(begin, end - begin), place = fmt::format("{}: line {}", file, ++number);
+    const bool torn = end == text.size();
     begin = end + 1;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    std::optional<TrackedFrame> frame = read_frame(line, place);
+    std::optional<TrackedFrame> frame;
+    try {
+      frame = read_frame(line, place);
+    } catch (const Error&) {
+      if (!torn || frames.empty() || line[0] != '{') throw;
+      log::warning(place + ": it has no end, and is no whole frame; it is left out");
+    }
     if (!frame) continue;
     if (!frames.empty() && frame->time_s <= frames.back().time_s)
       throw bad_input(

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "sensing/joints/person.hpp"
+
 namespace palpa::sensing {
 namespace {
 
@@ -14,15 +16,21 @@ bool is_far(const TrackedHand& hand) {
   return !std::ranges::all_of(hand.joints, [](const Vec3& joint) { return glm::length(joint) <= farthest_joint_m; });
 }
 
-bool is_of_person(const TrackedHand& hand) {
-  const auto is_radius = [](double radius_m) { return radius_m >= least_radius_m && radius_m <= most_radius_m; };
-  if (!std::ranges::all_of(hand.radii_m, is_radius)) return false;
-  return std::ranges::all_of(finger_joints, [&](const auto& finger) {
-    for (std::size_t j = finger.first; j < finger.second; ++j) {
-      if (!(glm::distance(hand.joints[j], hand.joints[j + 1]) <= longest_bone_m)) return false;
-    }
-    return true;
-  });
+std::optional<HandDoubt> doubt_about(const std::optional<Misfit>& misfit) {
+  if (!misfit) return std::nullopt;
+  switch (*misfit) {
+    case Misfit::radius:
+      return HandDoubt::radius;
+    case Misfit::size:
+      return HandDoubt::size;
+    case Misfit::shape:
+      return HandDoubt::shape;
+  }
+  return HandDoubt::shape;
+}
+
+std::size_t side_of(const TrackedHand& hand) {
+  return hand.left ? 1 : 0;
 }
 
 bool jumped(const TrackedHand& from, const TrackedHand& to, double time_s) {
@@ -47,10 +55,23 @@ bool HandCheck::trusts_clock(double time_s, double arrived_s) {
   return trusted_;
 }
 
+/// Whether the frame's only hand was of the other side shortly before.
+bool HandCheck::changed_side(const TrackedFrame& frame) const {
+  if (frame.hands.size() != 1) return false;
+  const TrackedHand& hand = frame.hands.front();
+  const std::size_t side = side_of(hand), other = 1 - side;
+  if (before_[side]) return false;
+  if (before_[other]) return true;
+  const Seen& gone = seen_[other];
+  if (seen_[side].known && seen_[side].time_s >= gone.time_s) return false;
+  return gone.known && frame.time_s - gone.time_s <= longest_gap_s &&
+         glm::distance(gone.hand.joints[palm_joint], hand.joints[palm_joint]) <= same_place_m;
+}
+
 std::optional<HandDoubt> HandCheck::doubt_of(const TrackedHand& hand, double time_s, double arrived_s) {
   if (is_far(hand)) return HandDoubt::far;
-  if (!is_of_person(hand)) return HandDoubt::size;
-  Seen& seen = seen_[hand.left ? 1 : 0];
+  if (const std::optional<HandDoubt> doubt = doubt_about(misfit_of(hand))) return doubt;
+  Seen& seen = seen_[side_of(hand)];
   const double since_s = time_s - seen.time_s;
   const bool follows = seen.known && since_s > 0 && since_s <= longest_gap_s;
   const bool still = seen.known && hand.joints == seen.hand.joints;
@@ -64,6 +85,10 @@ std::optional<HandDoubt> HandCheck::doubt_of(const TrackedHand& hand, double tim
 std::optional<HandDoubt> HandCheck::check(TrackedFrame& frame, double arrived_s) {
   std::vector<TrackedHand>& hands = frame.hands;
   const bool trusted = trusts_clock(frame.time_s, arrived_s);
+  if (changed_side(frame)) side_s_ = arrived_s;
+  before_ = {};
+  for (const TrackedHand& hand : hands)
+    before_[side_of(hand)] = true;
   if (hands.empty()) return std::nullopt;
   if (!trusted) {
     hands.clear();
@@ -73,9 +98,11 @@ std::optional<HandDoubt> HandCheck::check(TrackedFrame& frame, double arrived_s)
     hands.clear();
     return HandDoubt::crowd;
   }
+  const bool in_doubt = hands.size() == 1 && side_s_ && arrived_s - *side_s_ <= longest_gap_s;
   std::optional<HandDoubt> doubt;
   std::erase_if(hands, [&](const TrackedHand& hand) {
-    const std::optional<HandDoubt> why = doubt_of(hand, frame.time_s, arrived_s);
+    std::optional<HandDoubt> why = doubt_of(hand, frame.time_s, arrived_s);
+    if (!why && in_doubt) why = HandDoubt::side;
     if (why) doubt = why;
     return why.has_value();
   });
@@ -88,12 +115,21 @@ std::string to_text(HandDoubt doubt) {
       return "the hands of frames whose times do not run with this computer's clock: t_s must be seconds";
     case HandDoubt::crowd:
       return "the hands of a frame that has more than one left and one right hand";
+    case HandDoubt::side:
+      return fmt::format("a hand for {} s after it changed from left to right, or from right to left", longest_gap_s);
     case HandDoubt::far:
       return fmt::format("a hand with a joint more than {} m from the tracker (coordinates are metres)",
                          farthest_joint_m);
+    case HandDoubt::radius:
+      return fmt::format(
+          "a hand with a radius outside of {} to {} mm ({} to {} mm at fingers), or far from those of its other "
+          "fingers",
+          any_radius_m.least * 1e3, any_radius_m.most * 1e3, finger_radius_m.least * 1e3, finger_radius_m.most * 1e3);
     case HandDoubt::size:
-      return fmt::format("a hand with a radius outside of {} to {} mm, or with a bone longer than {} mm",
-                         least_radius_m * 1e3, most_radius_m * 1e3, longest_bone_m * 1e3);
+      return fmt::format("a hand whose fingers have a median length outside of {} to {} mm from knuckle to tip",
+                         hand_size_m.least * 1e3, hand_size_m.most * 1e3);
+    case HandDoubt::shape:
+      return "a hand with a bone, palm or wrist that does not fit its other joints";
     case HandDoubt::jump:
       return fmt::format("a hand with a joint that moved faster than {} m/s", fastest_joint_m_s);
     case HandDoubt::frozen:

@@ -7,16 +7,13 @@
 #include <limits>
 #include <utility>
 
-#include "session/watch/press.hpp"
-
 namespace palpa::session {
 namespace {
 
-/// As for tracks (touch/fingers/follow.hpp): velocities are filtered, and unseen fingers are forgotten.
-constexpr double velocity_time_s = 30e-3, forget_s = 0.3;
+/// Velocities are filtered as those of tracks (touch/fingers/follow.hpp).
+constexpr double velocity_time_s = 30e-3;
 /// Gains that come from an older frame are reached in this time.
 constexpr double most_way_s = 0.1;
-constexpr std::size_t most_known = 4 * std::size_t{touch::max_fingers};
 
 std::uint32_t slots_in(double seconds, double slot_s) {
   return static_cast<std::uint32_t>(std::lround(std::clamp(seconds / slot_s, 1.0, 1e6)));
@@ -52,7 +49,8 @@ bool needs_depths(std::span<const geometry::Solid> solids) {
       solids, [](const geometry::Solid& solid) { return solid.haptics.clicks() || solid.haptics.stiffness; });
 }
 
-Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved) {
+Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, double hold_s)
+    : touches_(solids, hold_s) {
   solids_.reserve(solids.size());
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Haptics& haptics = solids[s].haptics;
@@ -67,7 +65,7 @@ Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics
     for (const geometry::DepthForce& row : std::span(*haptics.stiffness).first(rows))
       own.stiffness.push_back(row);
   }
-  known_.reserve(most_known);
+  known_.reserve(most_touches);
 }
 
 bool Feel::Own::silence_first() const {
@@ -88,17 +86,21 @@ void Feel::change(std::uint32_t solid, const FeelChange& change) {
 void Feel::shape(const touch::Touch& touch, double time_s, const Following& following, const Vec3& aim,
                  array::Schedule& schedule) {
   const Frame frame{time_s, schedule.slot_s, following.first_slot, aim};
-  if (following.follows) forget(time_s);
+  if (following.follows) {
+    touches_.update(touch, time_s, following.hands);
+    forget_ended();
+  }
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     const touch::Finger& finger = touch.fingers[f];
     const Own& own = solids_[finger.solid];
     if (!own.any()) continue;
     array::Voice& voice = schedule.voices[f];
     if (following.follows) {
-      give(course_of(own, finger, frame), voice, frame.slot_s);
+      Known& known = this->known(finger.id);
+      give(course_of(own, finger, frame, known), voice, frame.slot_s);
       if (own.texture) voice.modulation_hz = 0;
-      if (own.press_depth_m) click(own, finger, frame, voice);
-      known(finger).seen_s = time_s;
+      if (own.clicks()) click(own, finger, touches_.held()[f], frame, known, voice);
+      known.seen_s = time_s;
     } else {
       const array::Course::Values now{.force = own.force(double{finger.depth_m})};
       give({.from = now, .to = now, .texture = own.texture.value_or(array::Texture())}, voice, frame.slot_s);
@@ -106,24 +108,18 @@ void Feel::shape(const touch::Touch& touch, double time_s, const Following& foll
   }
 }
 
-/// If the time goes backwards, all fingers are new.
-void Feel::forget(double time_s) {
-  std::erase_if(known_, [&](const Known& known) { return time_s < last_s_ || time_s > *known.seen_s + forget_s; });
-  last_s_ = time_s;
+void Feel::forget_ended() {
+  for (const EndedTouch& ended : touches_.ended())
+    std::erase_if(known_, [&](const Known& known) { return known.id == ended.last.id; });
 }
 
-Feel::Known& Feel::known(const touch::Finger& finger) {
-  const auto found = std::ranges::find(known_, finger.id, &Known::id);
-  if (found != known_.end() && found->solid == finger.solid) return *found;
-  if (found != known_.end()) return *found = {.id = finger.id, .solid = finger.solid};
-  // If a source's clock stands still, nothing is forgotten; the memory must not grow all the same.
-  if (known_.size() == most_known) known_.erase(known_.begin());
-  return known_.emplace_back(Known{.id = finger.id, .solid = finger.solid});
+Feel::Known& Feel::known(std::uint32_t id) {
+  const auto found = std::ranges::find(known_, id, &Known::id);
+  return found != known_.end() ? *found : known_.emplace_back(Known{.id = id});
 }
 
 /// From what the course before has in the first slot to the values of this frame.
-array::Course Feel::course_of(const Own& own, const touch::Finger& finger, const Frame& frame) {
-  Known& known = this->known(finger);
+array::Course Feel::course_of(const Own& own, const touch::Finger& finger, const Frame& frame, Known& known) {
   const Vec3 place = transform_point(own.T_rest_world, Vec3(finger.section.centroid));
   const double since_s = frame.time_s - known.seen_s.value_or(frame.time_s);
   if (since_s > 0)
@@ -144,16 +140,12 @@ array::Course Feel::course_of(const Own& own, const touch::Finger& finger, const
   return known.course = course;
 }
 
-/// Whether a finger presses is followed even where nothing clicks: a click that is turned on waits for the next press.
-void Feel::click(const Own& own, const touch::Finger& finger, const Frame& frame, array::Voice& voice) {
-  Known& known = this->known(finger);
-  const bool pressed = presses(known.pressed, double{finger.depth_m}, *own.press_depth_m);
-  if (own.clicks() && pressed != known.pressed && frame.time_s - known.clicked_s >= between_clicks_s) {
+void Feel::click(const Own& own, const touch::Finger& finger, const HeldTouch& held, const Frame& frame, Known& known,
+                 array::Voice& voice) {
+  if ((held.presses || held.lifts) && frame.time_s - known.clicked_s >= between_clicks_s) {
     known.clicked_s = frame.time_s;
     known.click_slot = frame.first_slot;
   }
-  known.pressed = pressed;
-  if (!own.clicks()) return;
   const geometry::Click& click = own.click;
   const bool silence_first = own.silence_first();
   const double silence_s = silence_first ? silence_before_click_s : 0;

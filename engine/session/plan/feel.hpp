@@ -1,5 +1,7 @@
 // How the gain of a finger follows its solid's stiffness, texture and clicks from frame to frame (docs/design.md).
 //
+// What is known of a finger is forgotten when its touch ends (watch/touches.hpp).
+//
 // Gains change from slot to slot if the first slot that plays a frame is known. Otherwise they change with the frame.
 #pragma once
 
@@ -15,6 +17,7 @@
 #include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "session/plan/solid_haptics.hpp"
+#include "session/watch/touches.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -50,18 +53,21 @@ struct Following {
   /// Fingers have the ids of that frame. False: the frame stands alone, without motion and clicks.
   bool follows = false;
   std::optional<std::uint64_t> first_slot{};  ///< that plays the frame, if it is known
+  std::uint32_t hands = 1;                    ///< see Touches::update
 };
 
 /// Keeps what it knows of each finger from frame to frame.
 class Feel {
  public:
-  /// `resolved` has the solids' gains.
-  Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved);
+  /// `resolved` has the solids' gains. Touches end as those of events with the same hold.
+  Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, double hold_s);
 
   /// Textures move with their solids: T_world_rest takes them from their places in the scene to the current ones.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
   /// Holds for the frames that follow. Allocates nothing.
   void change(std::uint32_t solid, const FeelChange& change);
+  /// See Touches::take_over.
+  void take_over(const Feel& other) { touches_.take_over(other.touches_); }
 
   /// Changes the voices of a frame's fingers, in the order of `touch`. A finger that clicks gets one focus at its
   /// centroid, shifted by `aim`. A texture takes the place of the modulation. Allocates nothing.
@@ -85,11 +91,10 @@ class Feel {
     bool silence_first() const;
   };
   struct Known {
-    std::uint32_t id = 0, solid = 0;
+    std::uint32_t id = 0;
     std::optional<double> seen_s{};  ///< nothing in its first frame
     Vec3 place{0}, velocity{0};      ///< on the solid at rest: m, m/s
     array::Course course{};
-    bool pressed = false;
     double clicked_s = -std::numeric_limits<double>::infinity();  ///< the last time
     std::optional<std::uint64_t> click_slot{};
   };
@@ -99,14 +104,15 @@ class Feel {
     Vec3 aim{0};
   };
 
-  void forget(double time_s);
-  array::Course course_of(const Own& own, const touch::Finger& finger, const Frame& frame);
-  void click(const Own& own, const touch::Finger& finger, const Frame& frame, array::Voice& voice);
-  Known& known(const touch::Finger& finger);
+  void forget_ended();
+  Known& known(std::uint32_t id);
+  array::Course course_of(const Own& own, const touch::Finger& finger, const Frame& frame, Known& known);
+  void click(const Own& own, const touch::Finger& finger, const HeldTouch& held, const Frame& frame, Known& known,
+             array::Voice& voice);
 
   std::vector<Own> solids_;
-  std::vector<Known> known_;  ///< no id twice
-  double last_s_ = 0;
+  Touches touches_;
+  std::vector<Known> known_;  ///< fingers that touch; no id twice
 };
 
 }  // namespace palpa::session

@@ -102,6 +102,7 @@ class FramePlanner : public Planner {
     flight.frame = frame;
     flight.plan.captured_s = frame.captured_s;
     flight.report = {frame.sequence, frame.time_s, &flight.touch, {}, frame.arrived_s, 0};
+    flight.report.hands = hands_in(frame);
     flight.state = Flight::State::touching;
     ++started_;
   }
@@ -166,6 +167,11 @@ class FramePlanner : public Planner {
  private:
   Flight& flight_of(std::uint64_t frame) const { return *flights_[frame % flights_.size()]; }
 
+  std::uint32_t hands_in(const SkinFrame& frame) const {
+    if (setting_.tracked) return static_cast<std::uint32_t>(frame.capsules.size());
+    return setting_.cameras.empty() && frame.points.empty() ? 0 : 1;
+  }
+
   void done(Flight& flight) {
     flight.state = Flight::State::idle;
     ++finished_;
@@ -195,7 +201,7 @@ class FramePlanner : public Planner {
     const std::optional<FirstSlot> first = flight.frame.first();
     const touch::Touch& touch = predictor_ ? predictor_->see(flight.touch, time_s, first, flight.kept) : flight.touch;
     scheduler_.make(touch, time_s, flight.plan.schedule,
-                    {setting_.follow, first ? std::optional(first->slot) : std::nullopt});
+                    {setting_.follow, first ? std::optional(first->slot) : std::nullopt, flight.report.hands});
     slot_work_.first_slot = first ? first->slot : 0;
     if (predictor_) flight.report.prediction = predictor_->advance(flight.plan.schedule);
   }

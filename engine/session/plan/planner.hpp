@@ -52,6 +52,7 @@ struct FrameReport {
   std::optional<Prediction> prediction{};  ///< of a frame with fingers, if foci are predicted
   Effort effort{};                         ///< of a loop: the work that is done
   bool outdated = false;                   ///< of a loop: its drives were ready only when its hold was over
+  std::uint32_t hands = 1;                 ///< what the frame shows of hands, for Touches::update
 };
 
 class Planner {

@@ -17,9 +17,9 @@ static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
 static_assert(acoustics::most_ring_foci >= touch::max_foci);
 
 Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-                     const ScheduleOptions& options, const acoustics::FocusField* field)
+                     const ScheduleOptions& options, const acoustics::FocusField* field, double hold_s)
     : solids_(resolve_haptics(scene, solids, touch, options.voice)),
-      feel_(solids, solids_),
+      feel_(solids, solids_, hold_s),
       foci_(touch.foci),
       options_(options),
       slot_s_(slot_length(solids_, options.voice)) {

@@ -59,8 +59,9 @@ class Scheduler {
  public:
   /// For touches of these solids, found with these parameters. Throws as resolve_haptics does. Tune::all uses the
   /// foci's sound from `field`, which must outlive this object. Without `field`, and for Tune::stride, foci are spots.
+  /// `hold_s` is the session's.
   Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-            const ScheduleOptions& options, const acoustics::FocusField* field = nullptr);
+            const ScheduleOptions& options, const acoustics::FocusField* field = nullptr, double hold_s = 0.1);
   ~Scheduler();
   Scheduler(Scheduler&&) noexcept;
   Scheduler& operator=(Scheduler&&) noexcept;
@@ -79,6 +80,8 @@ class Scheduler {
   void set_pose(std::uint32_t solid, const Transform& T_world_rest) { feel_.set_pose(solid, T_world_rest); }
   /// From the next make() on; see Feel::change.
   void change_feel(std::uint32_t solid, const FeelChange& change) { feel_.change(solid, change); }
+  /// See Touches::take_over.
+  void take_over(const Scheduler& other) { feel_.take_over(other.feel_); }
   /// From the next make() on, foci sound at this offset from where they are seen, metres in the world. This helps to
   /// find the real place of an array that stands elsewhere than assumed.
   void aim(const Vec3& offset) { aim_ = offset; }

@@ -2,8 +2,10 @@
 //
 //   touch    a finger touches a solid that it did not touch in the frame before
 //   move     it has moved by `move_m` or more, along the surface or in depth, since its last event
-//   press    it passes the solid's press depth; reported again only after it has come back up to `rearm` of that depth
+//   press    it passes the solid's press depth
 //   release  it has left the solid, or the stream has ended
+//
+// When a finger touches, presses and releases is decided in touches.hpp.
 //
 // Every touch is followed by exactly one release with the same finger and solid; moves and presses lie between them. A
 // pure state machine: the same touches give the same events. Fingers are identified by their id, which is assigned
@@ -12,7 +14,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@
 #include "base/json_writer.hpp"
 #include "base/words.hpp"
 #include "geometry/solid.hpp"
-#include "session/watch/press.hpp"
+#include "session/watch/touches.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -43,8 +44,7 @@ struct Event {
 };
 
 struct EventOptions {
-  double move_m = 0.5e-3;        ///< 0: every frame is a move
-  double rearm = default_rearm;  ///< of the press depth: above it, a finger that presses still does
+  double move_m = 0.5e-3;  ///< 0: every frame is a move
 };
 
 class EventTracker {
@@ -55,40 +55,33 @@ class EventTracker {
   /// returns in time, the touch continues.
   explicit EventTracker(std::span<const geometry::Solid> solids, const EventOptions& options = {}, double hold_s = 0.1);
 
-  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. If the time goes
-  /// backwards, tracking restarts: fingers that touched are released first, as by end(). Valid until the next
-  /// call.
-  std::span<const Event> update(const touch::Touch& touch, double time_s);
+  /// The events of the next frame: releases first, then finger by finger in the order of `touch`. `hands` as in
+  /// Touches::update. If the time goes backwards, tracking restarts: fingers that touched are released first, as by
+  /// end(). Valid until the next call.
+  std::span<const Event> update(const touch::Touch& touch, double time_s, std::uint32_t hands = 1);
   /// To be called if no frame has come for hold_s after the last one. update() also detects this, but only with the
   /// next frame.
   std::span<const Event> expire();
   /// The end of the stream: releases all fingers that still touch, at the time of the last frame.
   std::span<const Event> end();
+  /// See Touches::take_over.
+  void take_over(const EventTracker& other) { touches_.take_over(other.touches_); }
 
  private:
-  struct Held {
+  /// What was told last of a finger that touches.
+  struct Told {
     std::uint32_t id = 0;
-    std::uint32_t solid = 0;
-    double seen_s = 0;
-    float depth = 0, told_depth = 0;
-    glm::vec3 centroid{}, told_centroid{};
-    bool pressed = false;
-    bool seen = false;  ///< in this frame
+    float depth_m = 0;
+    glm::vec3 centroid{};
   };
 
-  Held* held_of(std::uint32_t id);
-  void release_missing(double time_s);
-  void release_all();
-  void release(const Held& held, double time_s);
-  void follow(Held& held, const touch::Finger& finger, double time_s, bool fresh);
-  void tell(EventKind kind, Held& held, double time_s);
+  void release_ended();
+  void follow(const HeldTouch& held);
+  void tell(EventKind kind, const HeldTouch& held, double time_s);
 
-  std::vector<std::optional<double>> press_depth_m_;  ///< by solid
   EventOptions options_;
-  double hold_s_, grace_s_;
-  double last_s_ = 0;
-  bool begun_ = false;
-  std::vector<Held> held_;  ///< in the order of their touches; no id twice
+  Touches touches_;
+  std::vector<Told> told_;  ///< no id twice
   std::vector<Event> events_;
 };
 

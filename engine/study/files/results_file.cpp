@@ -61,7 +61,7 @@ Confusion table_in(const json& method, const std::vector<std::string>& shapes, c
 std::vector<std::pair<std::string, Confusion>> read_results(const std::filesystem::path& path,
                                                             std::vector<std::string>& left_out) {
   const std::string file = path.string();
-  const json document = json::parse(read_file(path, most_bytes), nullptr, false);
+  const json document = json::parse(read_text_file(path, most_bytes), nullptr, false);
   if (!document.is_object() || document.value("kind", json()) != results_kind)
     refuse(file, "\"kind\" is not that of such a file");
   const std::vector<std::string> shapes = shapes_in(document, file);

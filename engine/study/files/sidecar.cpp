@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 Json read_object(const std::filesystem::path& file) {
   constexpr std::uint64_t most_bytes = 1 << 20;
-  Json document = Json::parse(read_file(file, most_bytes), nullptr, false);
+  Json document = Json::parse(read_text_file(file, most_bytes), nullptr, false);
   if (!document.is_object()) throw bad_input(file.string(), "is not a JSON object");
   return document;
 }
