@@ -109,8 +109,8 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
   const std::string name = session::parse_spec(options.link).name;
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
-  if (touch.dwell_s >= least_s) return;
   touch.steady_gains = true;
+  if (touch.dwell_s >= least_s) return;
   if (touch.method_given || touch::stands_still(touch.method.method)) return;
   const char* const instead =
       options.own_method

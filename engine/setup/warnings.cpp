@@ -18,9 +18,6 @@ namespace {
 
 /// Below this distance, a place is on a transducer, and the direction of its sound is meaningless.
 constexpr double on_transducer_m = 1e-6;
-/// A slot lasts at most this share of a vibration's period. Near one half, the slots may all lie between its swings for
-/// longer than a click lasts.
-constexpr double longest_slot = 0.4;
 
 void warn_of_dwell(const std::string& where, double dwell_s) {
   if (dwell_s <= longest_usual_dwell_s) return;
@@ -56,11 +53,12 @@ void warn_of_feel(const session::Session& session) {
       continue;
     }
     const double hz = haptics.clicks() ? haptics.click->hz : (*haptics.texture)[2] > 0 ? array::high_hz : array::low_hz;
-    if (slot_s * hz > longest_slot * (1 + 1e-9)) {
+    if (!session::carries({slot_s}, hz)) {
       log::warning(
           fmt::format("{} has vibrations of {:g} Hz, and drives of {:g} ms are too long for them: give a dwell "
-                      "of at most {:.3g} ms",
-                      where, hz, 1e3 * slot_s, 1e3 * longest_slot / hz));
+                      "of at most {:.3g} ms; palpa does not play them",
+                      where, hz, 1e3 * slot_s, 1e3 * session::longest_slot / hz));
+      continue;
     }
     if (!haptics.clicks()) continue;
     const double gain = session::resting_gain(haptics, session.scheduler().solids()[s].voice.gain);

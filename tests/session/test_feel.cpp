@@ -88,6 +88,33 @@ struct Frames {
   bool is_clicking() const { return schedule.voices[0].foci.size() == 1; }
 };
 
+/// A slot lasts at most 0.4 of a vibration's period: 2 ms of 200 Hz, 2.67 ms of 150 Hz, 13.3 ms of 30 Hz.
+TEST(Feel, VibrationsForWhichSlotsAreTooLongAreNotPlayed) {
+  geometry::Haptics coarse = plate();
+  coarse.texture = {0.2, 1, 0};
+  const struct {
+    double dwell_s;
+    bool steady, clicks, is_fine, is_coarse;
+  } cases[] = {{2e-3, false, true, true, true},     {2.01e-3, false, false, true, true},
+               {2.66e-3, false, false, true, true}, {2.67e-3, false, false, false, true},
+               {12e-3, false, false, false, true},  {13.4e-3, false, false, false, false},
+               {1.5e-3, true, false, false, false}};
+  for (const auto& [dwell_s, steady, clicks, is_fine, is_coarse] : cases) {
+    Frames frames({button(), plate(), coarse}, {.voice = {.dwell_s = dwell_s}, .steady = steady});
+    frames.next({{}, {.id = 2, .solid = 1}, {.id = 3, .solid = 2}});
+    frames.next({{.depth_m = 0.004F}, {.id = 2, .solid = 1}, {.id = 3, .solid = 2}});
+    EXPECT_EQ(frames.is_clicking(), clicks) << dwell_s;
+    EXPECT_EQ(frames.schedule.voices[1].course.changes(), is_fine) << dwell_s;
+    EXPECT_EQ(frames.schedule.voices[2].course.changes(), is_coarse) << dwell_s;
+    // Other programs' messages as well.
+    Frames later({{}, {}}, {.voice = {.dwell_s = dwell_s}, .steady = steady});
+    later.scheduler.change_feel(1, {.texture = array::Texture{0.2, 1, 0.6}});
+    later.next({{}, {.id = 2, .solid = 1}});
+    later.next({{}, {.id = 2, .solid = 1}});
+    EXPECT_EQ(later.schedule.voices[1].course.changes(), is_fine) << dwell_s;
+  }
+}
+
 TEST(Feel, StiffnessIsTheForceAtTheDepth) {
   EXPECT_EQ(geometry::force_at({}, 0.01), 1);
   const std::vector<geometry::DepthForce> table{{0.001, 0.2}, {0.002, 0.4}, {0.004, 1}};

@@ -14,8 +14,11 @@ std::string_view LiveValues::change(std::string_view solid, const SolidValues& v
     if (feel.click && feel.click->burst_s > 0 && std::ranges::none_of(known_, may_press))
       return "the object has no palpa_press_depth_m, at which it would click";
     const bool vibrates = feel.texture && feel.texture->low + feel.texture->high > 0;
-    if (steady_ && (vibrates || (feel.click && feel.click->burst_s > 0)))
+    const bool clicks = feel.click && feel.click->burst_s > 0;
+    if (pace_.steady && (vibrates || clicks))
       return "the link cannot change in every slot, so it plays no clicks and no textures";
+    if ((clicks && !carries(pace_, feel.click->hz)) || (vibrates && !carries(pace_, fastest_hz(*feel.texture))))
+      return "drives are too long for its vibrations, so they are not played: give a shorter dwell";
   }
   Named& named = values_of(solid);
   if (values.T_world_rest) {
@@ -39,7 +42,7 @@ LiveValues::Named& LiveValues::values_of(std::string_view solid) {
 void LiveValues::set_scene(const Session& session) {
   const std::lock_guard lock(mutex_);  // nobody holds it for longer than a search by name
   known_.clear();
-  steady_ = session.setting().schedule.steady;
+  pace_ = {session.scheduler().slot_s(), session.setting().schedule.steady};
   for (const geometry::Solid& solid : session.solids())
     known_.push_back({solid.name, solid.haptics.press_depth_m.has_value()});
   again_ = true;

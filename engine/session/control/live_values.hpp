@@ -75,7 +75,7 @@ class LiveValues {
   Newest<std::vector<Named>> newest_;
   std::mutex mutex_;
   std::vector<Known> known_;  ///< the solids of the scene
-  bool steady_ = false;       ///< ScheduleOptions::steady
+  GainPace pace_;             ///< of the scene
 
   std::uint64_t applied_ = 0;  ///< the loop's: the newest change that the session has
   bool again_ = false;         ///< the loop's: the session has another scene

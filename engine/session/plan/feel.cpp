@@ -49,8 +49,17 @@ bool needs_depths(std::span<const geometry::Solid> solids) {
       solids, [](const geometry::Solid& solid) { return solid.haptics.clicks() || solid.haptics.stiffness; });
 }
 
-Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, double hold_s)
-    : touches_(solids, hold_s) {
+bool carries(const GainPace& pace, double hz) {
+  return hz == 0 || (!pace.steady && pace.slot_s * hz <= longest_slot * (1 + 1e-9));
+}
+
+double fastest_hz(const array::Texture& texture) {
+  return texture.high > 0 ? array::high_hz : texture.low > 0 ? array::low_hz : 0;
+}
+
+Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, const GainPace& pace,
+           double hold_s)
+    : pace_(pace), touches_(solids, hold_s) {
   solids_.reserve(solids.size());
   for (std::size_t s = 0; s < solids.size(); ++s) {
     const geometry::Haptics& haptics = solids[s].haptics;
@@ -58,14 +67,22 @@ Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics
     own.gain = resolved[s].voice.gain;
     own.press_depth_m = haptics.press_depth_m;
     own.grain_m = haptics.grain_m.value_or(geometry::default_grain_m);
-    if (haptics.click) own.click = *haptics.click;
-    if (haptics.texture) own.texture = {(*haptics.texture)[0], (*haptics.texture)[1], (*haptics.texture)[2]};
+    if (haptics.click) set(own, *haptics.click);
+    if (haptics.texture) set(own, {(*haptics.texture)[0], (*haptics.texture)[1], (*haptics.texture)[2]});
     if (!haptics.stiffness) continue;
     const std::size_t rows = std::min(haptics.stiffness->size(), geometry::most_stiffness_rows);
     for (const geometry::DepthForce& row : std::span(*haptics.stiffness).first(rows))
       own.stiffness.push_back(row);
   }
   known_.reserve(most_touches);
+}
+
+void Feel::set(Own& own, const geometry::Click& click) const {
+  own.click = carries(pace_, click.hz) ? click : geometry::Click{.burst_s = 0};
+}
+
+void Feel::set(Own& own, const array::Texture& texture) const {
+  own.texture = carries(pace_, fastest_hz(texture)) ? std::optional(texture) : std::nullopt;
 }
 
 bool Feel::Own::silence_first() const {
@@ -78,9 +95,9 @@ void Feel::set_pose(std::uint32_t solid, const Transform& T_world_rest) {
 
 void Feel::change(std::uint32_t solid, const FeelChange& change) {
   Own& own = solids_[solid];
-  if (change.click) own.click = *change.click;
+  if (change.click) set(own, *change.click);
   if (change.stiffness) own.stiffness = *change.stiffness;
-  if (change.texture) own.texture = change.texture;
+  if (change.texture) set(own, *change.texture);
 }
 
 void Feel::shape(const touch::Touch& touch, double time_s, const Following& following, const Vec3& aim,

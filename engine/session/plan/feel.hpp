@@ -56,11 +56,26 @@ struct Following {
   std::uint32_t hands = 1;                    ///< see Touches::update
 };
 
+/// How often gains can change.
+struct GainPace {
+  double slot_s = 0;
+  bool steady = false;  ///< only from frame to frame, whatever the slot
+};
+/// A slot lasts at most this share of a vibration's period. Near one half, the slots may all lie between its swings for
+/// longer than a click lasts.
+inline constexpr double longest_slot = 0.4;
+/// Whether gains can follow a vibration of that frequency.
+bool carries(const GainPace& pace, double hz);
+/// The frequency of the fastest vibration of a texture; 0: it has none.
+double fastest_hz(const array::Texture& texture);
+
 /// Keeps what it knows of each finger from frame to frame.
 class Feel {
  public:
-  /// `resolved` has the solids' gains. Touches end as those of events with the same hold.
-  Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, double hold_s);
+  /// `resolved` has the solids' gains. Touches end as those of events with the same hold. Clicks and textures that the
+  /// pace does not carry are not played.
+  Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, const GainPace& pace,
+       double hold_s);
 
   /// Textures move with their solids: T_world_rest takes them from their places in the scene to the current ones.
   void set_pose(std::uint32_t solid, const Transform& T_world_rest);
@@ -110,6 +125,10 @@ class Feel {
   void click(const Own& own, const touch::Finger& finger, const HeldTouch& held, const Frame& frame, Known& known,
              array::Voice& voice);
 
+  void set(Own& own, const geometry::Click& click) const;
+  void set(Own& own, const array::Texture& texture) const;
+
+  GainPace pace_;
   std::vector<Own> solids_;
   Touches touches_;
   std::vector<Known> known_;  ///< fingers that touch; no id twice

@@ -19,10 +19,10 @@ static_assert(acoustics::most_ring_foci >= touch::max_foci);
 Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
                      const ScheduleOptions& options, const acoustics::FocusField* field, double hold_s)
     : solids_(resolve_haptics(scene, solids, touch, options.voice)),
-      feel_(solids, solids_, hold_s),
       foci_(touch.foci),
       options_(options),
-      slot_s_(slot_length(solids_, options.voice)) {
+      slot_s_(slot_length(solids_, options.voice)),
+      feel_(solids, solids_, {slot_s_, options.steady}, hold_s) {
   acoustics::SpectrumOptions& spectrum = options_.tuning.spectrum;
   spectrum.field = field;
   spectrum.fwhm_m = options.spot_m.value_or(spectrum.fwhm_m);

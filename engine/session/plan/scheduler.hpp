@@ -107,10 +107,10 @@ class Scheduler {
             array::VoiceOptions& voice, ScheduledFinger& out);
 
   std::vector<SolidHaptics> solids_;
-  Feel feel_;
   std::uint32_t foci_;
   ScheduleOptions options_;
   double slot_s_;
+  Feel feel_;
   Vec3 aim_{0};
   std::uint32_t foci_part_ = 1;
   acoustics::StrideTuner strides_;
