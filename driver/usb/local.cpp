@@ -221,9 +221,13 @@ unsigned number_of(const std::filesystem::path& address) {
 }
 
 std::filesystem::path runtime_place() {
-  const char* given = std::getenv("XDG_RUNTIME_DIR");
-  return given != nullptr && *given != '\0' ? std::filesystem::path(given) / "palpa"
-                                            : std::filesystem::path("/tmp") / fmt::format("palpa-{}", getuid());
+  const auto given = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    return value != nullptr ? value : "";
+  };
+  if (const std::filesystem::path own = given("XDG_RUNTIME_DIR"); !own.empty()) return own / "palpa";
+  const std::filesystem::path temporary = given("TMPDIR");
+  return (temporary.empty() ? "/tmp" : temporary) / fmt::format("palpa-{}", getuid());
 }
 
 std::filesystem::path address_of(unsigned number) {

@@ -192,8 +192,9 @@ void Group::count(const std::string& name, std::uint32_t& target, std::uint32_t 
                   const std::string& help) const {
   const auto take = [name, &target, low, high](const std::string& text) {
     double value = 0;
-    const char* end = text.data() + text.size();
-    const auto [rest, fault] = std::from_chars(text.data(), end, value);
+    const std::string_view number = without_plus(text);
+    const char* end = number.data() + number.size();
+    const auto [rest, fault] = std::from_chars(number.data(), end, value);
     const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
     value *= unit == "k" ? 1e3 : unit == "M" ? 1e6 : 1;
     const bool known = unit.empty() || unit == "k" || unit == "M";

@@ -28,6 +28,9 @@ void set_asset_folder(const std::string& folder) {
 
 std::string find_asset(const std::string& name) {
   std::error_code ignored;
+  const fs::path normal = fs::path(name).lexically_normal();
+  if (normal.is_absolute() || normal.empty() || *normal.begin() == "..")
+    throw bad_input(name, "leads out of palpa's assets folder");
   if (const char* folder = std::getenv("PALPA_ASSETS"); folder && *folder) {
     const fs::path file = fs::path(folder) / name;
     if (fs::exists(file, ignored)) return file.string();

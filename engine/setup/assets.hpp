@@ -7,7 +7,7 @@ namespace palpa::setup {
 
 /// The path of "rigs/paper.toml" and the like: in $PALPA_ASSETS if that is set, otherwise in share/palpa/assets beside
 /// the program's bin folder, otherwise in the assets folder of the source tree in which the program was built. Throws
-/// bad_input naming the asset and these places.
+/// bad_input naming the asset and these places, and for a name that leads out of the folder.
 std::string find_asset(const std::string& name);
 
 }  // namespace palpa::setup

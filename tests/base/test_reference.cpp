@@ -59,7 +59,8 @@ TEST_F(ReferenceTest, ReferencesOutOfTheFolderAreRefused) {
         std::string("folder-out/secret"), std::string("deep/link-to-link"), std::string("dangling-out"),
         std::string("../scene-of-another/x"), std::string("../absent"), std::string(".."), std::string("deep/../.."),
         std::string("folder-in/../../secret"), std::string("no/../../absent"), std::string("/dev/zero"),
-        std::string("/etc/hostname"), std::string("..\\secret"), std::string("deep\\..\\..\\secret"), (top_ / "secret").string()}) {
+        std::string("/etc/hostname"), std::string("..\\secret"), std::string("deep\\..\\..\\secret"),
+        (top_ / "secret").string()}) {
     const Error error = fault(outside);
     EXPECT_EQ(error.code(), Exit::bad_input) << outside;
     EXPECT_EQ(std::string(error.what()).rfind("scene/model.gltf: buffer 3: \"" + outside.substr(0, 20), 0), 0u)

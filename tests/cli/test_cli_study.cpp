@@ -91,6 +91,22 @@ TEST_F(CliStudy, ComparesAnythingWithAnything) {
   EXPECT_EQ(result["pairs"].size(), 21u);
   EXPECT_EQ(result["pairs"][0]["tables"]["likelihood_ratio"], 92.13556425);
   EXPECT_EQ(result["pairs"][1]["tables"]["rms"], 0);
+  // Reports name files without the folders of this computer, as far as they can be told apart.
+  const auto names = [](const json& tables) {
+    std::vector<std::string> all;
+    for (const json& table : tables)
+      all.push_back(table["name"]);
+    return all;
+  };
+  EXPECT_EQ(names(result["tables"]),
+            (std::vector<std::string>{"paper: single-focus", "paper: cross-section", "single.csv", "mine: single-focus",
+                                      "mine: cross-section", "mine.json: single-focus", "mine.json: cross-section"}));
+  write_text(folder_ / "mine" / "single.csv", single);
+  const json alike = report_of({"study", "compare", path("single.csv"), path("mine/single.csv")});
+  EXPECT_EQ(names(alike["tables"]),
+            (std::vector<std::string>{folder_.filename().string() + "/single.csv", "mine/single.csv"}));
+  EXPECT_EQ(names(report_of({"study", "analyse", path("single.csv")})["tables"]),
+            (std::vector<std::string>{"single.csv"}));
 }
 
 TEST_F(CliStudy, ReportsReplaceNoFileOfAParticipant) {

@@ -13,6 +13,7 @@
 #include "sensing/joints/left_out.hpp"
 #include "sensing/joints/read_frame.hpp"
 #include "sensing/joints/tracker.hpp"
+#include "sensing/recording.hpp"
 #include "support/captured.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -391,6 +392,12 @@ TEST_F(JointsFile, MayEndWithinALine) {
   }
   EXPECT_REFUSED(open_tracker(write(next.substr(0, 40)), true), "line 1");
   EXPECT_REFUSED(open_tracker(write(whole + next.substr(0, 40) + "\n"), true), "line 2");
+}
+
+TEST_F(JointsFile, IsNoRecordingOfCameras) {
+  const std::filesystem::path file = write(test::line_of({1, {}}) + "\n");
+  EXPECT_REFUSED(load_recording(file), "if they are hands, give joints:" + file.string());
+  EXPECT_REFUSED(load_recording(write("#ROSBAG V2.0\nE")), "give it as bag:" + file.string());
 }
 
 TEST_F(JointsFile, IsRefusedWithTheLine) {

@@ -140,15 +140,6 @@ TEST(Recording, ABlankLineOfItsTimesIsAWarning) {
   EXPECT_EQ(said, "palpa: warning: " + (folder / "times.csv").string() + ": line 4 is blank; it counts as no frame\n");
 }
 
-TEST(Recording, OfAnotherSourceSaysWhichTakesIt) {
-  const fs::path folder = fresh("others");
-  fs::create_directories(folder);
-  test::write_text(folder / "take.bag", "#ROSBAG V2.0\nE");
-  EXPECT_REFUSED(load_recording(folder / "take.bag"), "give it as bag:" + (folder / "take.bag").string());
-  test::write_text(folder / "hands.jsonl", "{\"t_s\": 1, \"hands\": []}\n");
-  EXPECT_REFUSED(load_recording(folder / "hands.jsonl"), "give joints:" + (folder / "hands.jsonl").string());
-}
-
 TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {
   const fs::path folder = fresh("crash");
   const Take take = random_take(2, 4);

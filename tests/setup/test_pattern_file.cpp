@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "setup/assets.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -17,6 +18,15 @@ namespace {
 
 void expect_at(const Vec3& place, double x, double y, double z) {
   EXPECT_LT(glm::distance(place, Vec3(x, y, z)), 1e-12) << place.x << " " << place.y << " " << place.z;
+}
+
+TEST(Assets, AreInTheirFolder) {
+  EXPECT_NO_THROW(find_asset("cube.glb"));
+  EXPECT_NO_THROW(find_asset("rigs/../cube.glb"));
+  const std::string elsewhere = test::source_file("README.md").string();
+  for (const std::string& name : {elsewhere, std::string("/etc/hostname"), std::string("../README.md"),
+                                  std::string("rigs/../../README.md"), std::string("..")})
+    EXPECT_REFUSED(find_asset(name), name + ": leads out of palpa's assets folder");
 }
 
 TEST(PatternFile, PointsAreInTheFilesOrderRelativeToTheLoudest) {

@@ -24,6 +24,10 @@ PLANE_Y_M = -0.0008  # of the foci of a cross-section
 SIDE_M, PIXELS = 0.1, 201
 SHOWN_M = 0.04  # side of a picture
 RING_M = 0.0045, 0.0065  # radii of the outline
+AIM_M, SQUARE_M = 0.0055, 0.018  # radius of the circle that all but one aim at, and the side of that one's square
+SCALE_M = 0.01
+WHITE, RED = bytes([255] * 3), bytes([255, 40, 90])
+LETTERS = {"1": "010 110 010 010 111", "0": "111 101 101 101 111", "m": "00000 11010 10101 10101 10101", " ": "0 0 0 0 0"}
 SECTORS = 24
 INSIDE_M, OUTSIDE_M = 0.002, 0.015
 SECTION, NEXT_SECTION = "## Compared\n", "## How each is made\n"
@@ -123,19 +127,44 @@ def colour(value):
     return bytes(round(255 * (a + (b - a) * (place - low))) for a, b in zip(stops[low], stops[low + 1]))
 
 
+def outline(name):
+    """What the pattern aims at: (x, z) in metres, in steps with gaps between them."""
+    if name != "inoue":
+        return [(AIM_M * math.cos(turn / 100), AIM_M * math.sin(turn / 100)) for turn in range(629) if turn // 13 % 2]
+    half, steps = SQUARE_M / 2, [SQUARE_M * step / 200 for step in range(-100, 101) if step // 10 % 2]
+    return [place for t in steps for place in ((t, -half), (t, half), (-half, t), (half, t))]
+
+
+def words(text, left, top, size):
+    """The pixels of a text in LETTERS."""
+    for letter in text:
+        lines = LETTERS[letter].split()
+        for y, line in enumerate(lines):
+            for x, dot in enumerate(line):
+                if dot == "1":
+                    yield from ((left + size * x + i, top + size * y + j) for i in range(size) for j in range(size))
+        left += size * (len(lines[0]) + 1)
+
+
 def draw(file, field):
-    """|p|^2 from above, relative to its largest value, +x to the right and -z up, three pixels for each sample."""
+    """|p|^2 from above, relative to its largest value, +x to the right and -z up, three pixels for each sample. With
+    what it aims at, and a scale."""
     xs = sorted({x for x, _ in field if abs(x) <= SHOWN_M / 2})
     zs = sorted({z for _, z in field if abs(z) <= SHOWN_M / 2})
     loudest, zoom = max(field.values()), 3
-    rows = b""
-    for z in zs:
-        row = b"\0" + b"".join(colour(field[x, z] / loudest) * zoom for x in xs)
-        rows += row * zoom
+    rows = [bytearray(b"".join(colour(field[x, z] / loudest) * zoom for x in xs)) for z in zs for _ in range(zoom)]
+    pixel_m = (xs[-1] - xs[0]) / (len(xs) - 1) / zoom
+    middle = zoom * len(xs) / 2
+    marks = [(round(middle + x / pixel_m), round(middle + z / pixel_m), RED) for x, z in outline(file.stem)]
+    length, low = round(SCALE_M / pixel_m), len(rows) - 12
+    marks += [(10 + x, low + y, WHITE) for x in range(length) for y in range(3)]
+    marks += [(x, y, WHITE) for x, y in words("10 mm", 10, low - 14, 2)]
+    for x, y, ink in marks:
+        rows[y][3 * x:3 * x + 3] = ink
     chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    head = struct.pack(">IIBBBBB", len(xs) * zoom, len(zs) * zoom, 8, 2, 0, 0, 0)
-    file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 9)) +
-                     chunk(b"IEND", b""))
+    head = struct.pack(">IIBBBBB", len(xs) * zoom, len(rows), 8, 2, 0, 0, 0)
+    file.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) +
+                     chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows), 9)) + chunk(b"IEND", b""))
 
 
 def pattern(palpa, name, finger):

@@ -17,7 +17,7 @@ namespace {
 
 /// The first frames of a film, and those after a touch begins or ends, have little before them.
 constexpr double settled_s = 0.1;
-constexpr double rearm = session::EventOptions().rearm;
+constexpr double rearm = session::press_rearm;
 constexpr int few = 5;
 
 /// Where the frames of a hand come from.

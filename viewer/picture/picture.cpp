@@ -23,6 +23,18 @@ Vec3 middle_of_top(const geometry::Solid& solid) {
 
 }  // namespace
 
+std::string feel_of(const geometry::Haptics& haptics) {
+  std::string feel;
+  const auto add = [&](bool has, const char* word) {
+    if (has) feel += (feel.empty() ? "" : ", ") + std::string(word);
+  };
+  const auto differs = [&](const geometry::DepthForce& row) { return row.force != haptics.stiffness->front().force; };
+  add(haptics.clicks(), "clicks");
+  add(haptics.stiffness && std::ranges::any_of(*haptics.stiffness, differs), "spring");
+  add(haptics.texture && ((*haptics.texture)[1] > 0 || (*haptics.texture)[2] > 0), "texture");
+  return feel;
+}
+
 bool Picture::changes() const {
   return std::ranges::any_of(fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1; });
 }
@@ -42,9 +54,12 @@ void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {
   }
   for (std::uint32_t s = 0; s < solids.size(); ++s) {
     const geometry::Solid& solid = solids[s];
-    if (solid.parts.parts.size() < 2) picture.solids.push_back({.name = solid.name, .mesh = solid.mesh, .solid = s});
+    const std::string feel = feel_of(solid.haptics);
+    if (solid.parts.parts.size() < 2)
+      picture.solids.push_back({.name = solid.name, .mesh = solid.mesh, .solid = s, .feel = feel});
     for (std::uint32_t i = 0; solid.parts.parts.size() > 1 && i < solid.parts.parts.size(); ++i)
-      picture.solids.push_back({.name = solid.name, .mesh = solid.parts.parts[i].mesh, .part = i, .solid = s});
+      picture.solids.push_back(
+          {.name = solid.name, .mesh = solid.parts.parts[i].mesh, .part = i, .solid = s, .feel = feel});
   }
 }
 

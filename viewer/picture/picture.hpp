@@ -34,7 +34,12 @@ struct SurfaceMark {
   std::optional<std::uint32_t> part{};     ///< index of a solid's convex part; each has its own colour
   std::vector<drawing::Colour> colours{};  ///< of the mesh's vertices, for the layer heat; else empty
   std::uint32_t solid = 0;                 ///< index of the scene's solid that it is, or is a part of
+  std::string feel{};                      ///< see feel_of
+  std::optional<Vec3> name_at{};           ///< in a drawn picture: above the solid, for its name
 };
+
+/// "clicks, spring, texture": what a finger feels of a solid besides its shape, or some of these; may be empty.
+std::string feel_of(const geometry::Haptics& haptics);
 
 /// A skin point in a solid's shell, drawn in its finger's colour.
 struct ContactMark {

@@ -77,13 +77,23 @@ void DrawnPicture::update(const Picture& picture, const ViewState& state) {
   picture_.solids.clear();
   const std::vector<Vec3> ways = apart(picture.solids);
   std::map<const SurfaceMark*, std::uint32_t, BySurface> layers;
+  std::size_t whole = 0;  // the first part of the solid that `around` holds
+  Box around;
   for (std::size_t i = 0; i < picture.solids.size(); ++i) {
     const SurfaceMark& solid = picture.solids[i];
     if (!solid.colours.empty() || ++layers[&solid] <= enough_layers) {
       solids_.push_back(add_surface(solid));
       solids_.back().away = ways[i];
     }
-    picture_.solids.push_back({solid.name, {}, solid.part});
+    picture_.solids.push_back(
+        {.name = solid.name, .mesh = {}, .part = solid.part, .solid = solid.solid, .feel = solid.feel});
+    const Box box = geometry::bounds(solid.mesh);
+    if (box.empty()) continue;
+    if (solid.part.value_or(0) == 0) whole = i;  // its other parts follow
+    if (whole == i) around = Box();
+    around.add(box.low);
+    around.add(box.high);
+    picture_.solids[whole].name_at = Vec3(around.centre().x, around.high.y, around.centre().z);
   }
   end_surfaces(solids_memory_, "solids", "solids' corners");
   update_skin(picture, state);

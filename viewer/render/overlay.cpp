@@ -41,6 +41,19 @@ void draw_camera_names(Ink& ink, const Picture& picture, const shader::ViewPush&
   }
 }
 
+/// Above each solid, if there are several, and few enough to be told apart.
+void draw_solid_names(Ink& ink, const Picture& picture, const shader::ViewPush& projection, const Theme& theme) {
+  constexpr std::ptrdiff_t most = 8;
+  const auto named = [](const SurfaceMark& solid) { return solid.name_at.has_value(); };
+  const std::ptrdiff_t count = std::ranges::count_if(picture.solids, named);
+  if (count < 2 || count > most) return;
+  for (const SurfaceMark& solid : picture.solids) {
+    if (!solid.name_at) continue;
+    const Projected p = project(projection, *solid.name_at);
+    if (p.visible) ink.label(solid.name.substr(0, 40), Vec2(p.x, p.y - ink.px(5)), 9, theme.ink, Align::centre, 1.1);
+  }
+}
+
 /// w1, w2 and w3 at the ends of a cross-section's axes.
 void draw_axis_names(Ink& ink, const Picture& picture, const shader::ViewPush& projection, const Theme& theme) {
   for (std::size_t f = 0; f < picture.fingers.size(); ++f) {
@@ -152,7 +165,10 @@ std::string names_of_solids(const Picture& picture) {
   std::size_t named = 0;
   for (const SurfaceMark& solid : picture.solids) {
     if (solid.part.value_or(0) != 0) continue;  // named with its first part
-    if (named < 4) names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
+    if (named < 4) {
+      names += (named > 0 ? ", " : "") + solid.name.substr(0, 40);
+      if (!solid.feel.empty() && solid.feel != solid.name) names += fmt::format(" ({})", solid.feel);
+    }
     ++named;
   }
   return named > 4 ? names + fmt::format(" and {} more", named - 4) : names;
@@ -343,6 +359,8 @@ void build_overlay(const Picture& picture, const ViewState& state, const Viewpoi
     in_layer(Layer::legend, [&] { draw_scale(ink, picture, viewpoint, options, theme); });
     return;
   }
+  if (layers.shows(Layer::solids) || layers.shows(Layer::edges))
+    in_layer(Layer::legend, [&] { draw_solid_names(ink, picture, view, theme); });
   in_layer(Layer::legend, [&] {
     const Vec2 legend = draw_legend(ink, picture, layers, options.width, theme);
     if (picture.driven && layers.shows(Layer::transducers))

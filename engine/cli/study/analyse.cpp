@@ -44,7 +44,7 @@ void analyse_counts(const AnalyseCommand& o, const Outputs& outputs) {
   std::vector<std::string> left_out;
   if (!file.warning.empty()) left_out.push_back(file.warning);
   warn_of(left_out);
-  const study::Comparison table = study::compare_tables({{o.sources[0], std::move(file.table)}});
+  const study::Comparison table = study::compare_tables({{names_in_reports(o.sources)[0], std::move(file.table)}});
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return comparison_text(table); },
                  .json = [&] { return comparison_json(table, left_out); },

@@ -35,9 +35,12 @@ void run_compare(const CompareCommand& o) {
   std::vector<std::string> left_out;
   std::vector<study::NamedTable> tables;
   constexpr std::size_t most_tables = 100;
-  for (const std::string& source : o.sources) {
-    for (study::NamedTable& table : study::tables_of(source, left_out))
+  const std::vector<std::string> names = names_in_reports(o.sources);
+  for (std::size_t i = 0; i < o.sources.size(); ++i) {
+    for (study::NamedTable& table : study::tables_of(o.sources[i], left_out)) {
+      table.name.replace(0, o.sources[i].size(), names[i]);
       tables.push_back(std::move(table));
+    }
     if (tables.size() > most_tables) throw bad_usage("these are more than 100 tables: give fewer");
   }
   refuse_participants_folders(o.sources, files);

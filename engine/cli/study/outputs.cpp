@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <system_error>
 
@@ -35,6 +37,32 @@ void refuse_participants_folders(const std::vector<std::string>& studies, const 
                                   output.option, output.target));
     }
   }
+}
+
+std::vector<std::string> names_in_reports(const std::vector<std::string>& sources) {
+  namespace fs = std::filesystem;
+  const auto name_of = [](const std::string& source, std::size_t parts) {
+    fs::path rest = fs::path(source).lexically_normal();
+    if (!rest.has_filename()) rest = rest.parent_path();  // it ended with a slash
+    fs::path name;
+    for (std::size_t i = 0; i < parts && rest.has_filename(); ++i, rest = rest.parent_path())
+      name = name.empty() ? rest.filename() : rest.filename() / name;
+    return name.empty() ? source : name.string();
+  };
+  constexpr std::size_t most_parts = 64;
+  std::vector<std::string> names;
+  for (const std::string& source : sources) {
+    const auto is_alone = [&](std::size_t parts) {
+      return std::ranges::none_of(sources, [&](const std::string& other) {
+        return other != source && name_of(other, parts) == name_of(source, parts);
+      });
+    };
+    std::size_t parts = 1;
+    while (parts < most_parts && !is_alone(parts))
+      ++parts;
+    names.push_back(name_of(source, parts));
+  }
+  return names;
 }
 
 void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,

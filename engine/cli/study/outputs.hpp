@@ -30,6 +30,9 @@ void refuse_participants_folders(const std::vector<std::string>& studies, const 
 void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,
                    const Reports& reports);
 
+/// What reports call these files and folders: the last part of each path, or as many parts as tell them apart.
+std::vector<std::string> names_in_reports(const std::vector<std::string>& sources);
+
 /// One warning per line.
 void warn_of(const std::vector<std::string>& lines);
 

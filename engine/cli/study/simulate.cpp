@@ -58,9 +58,11 @@ void run_study_simulate(const StudySimulateCommand& o) {
   // Results of people are read first, so that a fault in them is told at once. The prediction does not get them.
   std::vector<std::string> left_out;
   std::vector<observer::ObservedTable> tables;
-  for (const std::string& source : o.beside) {
+  const std::vector<std::string> names = names_in_reports(o.beside);
+  for (std::size_t i = 0; i < o.beside.size(); ++i) {
+    const std::string& source = o.beside[i];
     for (study::NamedTable& table : study::tables_of(source, left_out))
-      tables.push_back({method_of(table.name, source), source, std::move(table.table)});
+      tables.push_back({method_of(table.name, source), names[i], std::move(table.table)});
   }
   experiment::ObservedFinger finger(o.finger.empty() ? setup::find_asset("finger.ply") : o.finger);
   std::optional<setup::Preparing> progress(std::in_place, o.common.quiet);

@@ -35,9 +35,8 @@ std::string key_like(std::string_view spelt) {
   const std::string letters = squashed(spelt);
   const auto same = std::ranges::find(keys, letters, squashed);
   if (same != keys.end()) return *same;
-  const auto without_unit = std::ranges::find_if(keys, [&](const std::string& known) {
-    return letters.size() >= 4 && squashed(known).starts_with(letters);
-  });
+  const auto without_unit = std::ranges::find_if(
+      keys, [&](const std::string& known) { return letters.size() >= 4 && squashed(known).starts_with(letters); });
   return without_unit != keys.end() ? *without_unit : nearest_word(spelt, keys);
 }
 

@@ -37,9 +37,9 @@ inline constexpr Limits knuckles_apart{0.05, 0.8};
 /// From the palm to the first and second joint of each finger, and to the wrist.
 inline constexpr Limits from_palm{0, 2};
 
-/// Of a finger's bones beyond its metacarpal, relative to their sum. For the thumb, with its metacarpal.
+/// A bone of a finger beyond its metacarpal (of the thumb, also that), relative to the sum of all these.
 inline constexpr Limits bone_part{0.04, 0.75};
-/// Of each finger's radii, relative to the median of all fingers'.
+/// A radius of a finger, relative to the median of all fingers'.
 inline constexpr Limits radius_part{0.4, 2.5};
 
 /// What is no person's.

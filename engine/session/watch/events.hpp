@@ -68,7 +68,7 @@ class EventTracker {
   void take_over(const EventTracker& other) { touches_.take_over(other.touches_); }
 
  private:
-  /// What was told last of a finger that touches.
+  /// The last event's values of a finger that touches.
   struct Told {
     std::uint32_t id = 0;
     float depth_m = 0;

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "array/loudness.hpp"
 #include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/units.hpp"
 #include "line/values.hpp"
 #include "session/watch/pressure_log.hpp"
 #include "setup/drive_file.hpp"
@@ -26,8 +28,9 @@ std::pair<std::string, float> split_gain(const std::string& text) {
   if (std::ranges::count(text, ',') != 3) return {text, 1.0F};
   const std::size_t comma = text.rfind(',');
   float gain = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, fault] = std::from_chars(text.data() + comma + 1, end, gain);
+  const std::string_view number = without_plus(std::string_view(text).substr(comma + 1));
+  const char* const end = number.data() + number.size();
+  const auto [rest, fault] = std::from_chars(number.data(), end, gain);
   if (fault != std::errc{} || rest != end || !(gain > 0 && gain <= 1)) {
     throw bad_usage(fmt::format("--focus: '{}' is not x,y,z,a with a above 0 and at most 1, such as 0,0,150mm,0.5",
                                 text.substr(0, 60)));

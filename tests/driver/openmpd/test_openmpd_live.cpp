@@ -240,6 +240,10 @@ TEST(OpenMpdLocal, TheRuntimeFolderMustBeOnesOwn) {
   const auto missing = folder / "not" / "there";
   setenv("XDG_RUNTIME_DIR", missing.c_str(), 1);
   EXPECT_ERROR(usb::runtime_folder(), Exit::failed, "cannot be created");
+  const auto temporary = scratch_folder("runtime-temporary");
+  unsetenv("XDG_RUNTIME_DIR");
+  setenv("TMPDIR", temporary.c_str(), 1);
+  EXPECT_EQ(usb::runtime_folder(), temporary / ("palpa-" + std::to_string(getuid())));
 }
 
 }  // namespace

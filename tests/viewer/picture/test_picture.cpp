@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "session/plan/voice.hpp"
 #include "support/cameras.hpp"
@@ -129,6 +132,47 @@ std::size_t count_near(const std::vector<shader::ViewStroke>& strokes, const Pro
     n += near && s.colour.x == colour.r && s.colour.y == colour.g && s.colour.z == colour.b;
   }
   return n;
+}
+
+TEST(Picture, SaysWhatASolidIsToAFinger) {
+  geometry::Haptics haptics;
+  EXPECT_EQ(feel_of(haptics), "");
+  haptics.stiffness = std::vector<geometry::DepthForce>{{0, 0.5}, {0.01, 0.5}};
+  haptics.texture = {1, 0, 0};
+  EXPECT_EQ(feel_of(haptics), "") << "as if it had none";
+  haptics.stiffness->back().force = 1;
+  EXPECT_EQ(feel_of(haptics), "spring");
+  haptics.texture = {0.2, 1, 0.6};
+  haptics.click.emplace();
+  EXPECT_EQ(feel_of(haptics), "clicks, spring, texture");
+  geometry::Solid solid;
+  solid.name = "plate";
+  solid.mesh = test::box({0, 0, 0}, {1, 1, 1});
+  solid.haptics = haptics;
+  Picture picture;
+  show_solids(picture, {&solid, 1});
+  ASSERT_EQ(picture.solids.size(), 1U);
+  EXPECT_EQ(picture.solids[0].feel, "clicks, spring, texture");
+}
+
+TEST(Overlay, NamesSeveralSolidsWhereTheyAre) {
+  Picture picture;
+  picture.solids.push_back({.name = "left", .mesh = {}, .feel = "texture", .name_at = Vec3(-0.02, 0, 0)});
+  const Viewpoint viewpoint = test::front_viewpoint();
+  const auto view = projection(viewpoint, 640, 480);
+  const auto near = [&](const Vec3& place) {
+    std::vector<shader::ViewStroke> strokes;
+    build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
+    const Projected p = project(view, place);
+    return std::ranges::count_if(strokes, [&](const shader::ViewStroke& s) {
+      return std::abs(s.from.x - p.x) < 30 && s.from.y < p.y && s.from.y > p.y - 16;
+    });
+  };
+  EXPECT_EQ(near({-0.02, 0, 0}), 0) << "one alone is named in the legend";
+  picture.solids.push_back({.name = "right", .mesh = {}, .name_at = Vec3(0.02, 0, 0)});
+  EXPECT_GT(near({-0.02, 0, 0}), 4);
+  EXPECT_GT(near({0.02, 0, 0}), 4);
+  EXPECT_EQ(near({0, -0.02, 0}), 0);
 }
 
 TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
