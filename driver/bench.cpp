@@ -62,6 +62,7 @@ class NoNotes final : public BoardNotes {
  public:
   void warning(std::string_view) noexcept override {}
   void info(std::string_view) noexcept override {}
+  void waits(std::string_view) noexcept override {}
 };
 
 /// Another drive each time, with amplitudes and phases of all sizes.

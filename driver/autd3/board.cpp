@@ -60,9 +60,16 @@ class Autd3Board final : public Board {
         newest_(count_, session::most_cycle),
         drive_(count_) {
     remote_.connect(monotonic_s());
-    const double until_s = monotonic_s() + open_patience_s;
-    while (!ready()) {
+    double until_s = monotonic_s() + open_patience_s;
+    for (bool told = false; !ready();) {
       if (remote_.closed()) throw failure(std::string(remote_.fault()));
+      if (remote_.waits_for_bus(monotonic_s())) {
+        until_s = monotonic_s() + open_patience_s;
+        if (!std::exchange(told, true))
+          notes_.waits(
+              FixedText<120>("waiting up to {:g} s until the server has opened its bus", Remote::bus_patience_s)
+                  .view());
+      }
       if (monotonic_s() >= until_s) throw failure(spec.argument + " does not answer in time");
       wait();
       advance();

@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::size_t error_head = 5;  // the error mark and the text's size
 constexpr std::size_t most_error_text = 200;
+constexpr std::uint8_t newer_hello = 'A';  // "ARMT"
 
 void put_float(std::vector<std::uint8_t>& out, double value) {
   const auto number = static_cast<float>(value);
@@ -173,6 +174,10 @@ Remote::Progress Remote::transfer_reply() {
     const bool refused = received_ > 0 && reply_[0] != reply_ok;
     std::size_t whole = expected_;
     if (refused) {
+      if (reply_[0] == newer_hello) {
+        return fail(
+            "is a server or simulator of autd3-sdk, whose protocol (ARMT) is newer than version 1, which palpa speaks");
+      }
       if (reply_[0] != reply_error) return fail("does not speak AUTD3's Remote protocol, version 1");
       whole = error_head;
       if (received_ >= error_head) {
@@ -257,7 +262,7 @@ Remote::Progress Remote::pump(double now_s) {
     if (through != Progress::nothing) return through;
     if (before == Step::reading) ++reads;
   }
-  if (now_s - begun_s_ <= patience_s) return Progress::nothing;
+  if (now_s - begun_s_ <= (step_ == Step::geometry ? bus_patience_s : patience_s)) return Progress::nothing;
   return step_ == Step::connecting ? not_there("does not answer", {}, now_s) : fail("does not answer");
 }
 

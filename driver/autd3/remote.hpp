@@ -33,8 +33,8 @@ Address resolve(const std::string& text);
 
 class Remote {
  public:
-  /// A server that does not answer within this time is given up.
-  static constexpr double patience_s = 0.5;
+  /// A server that does not answer within this time is given up. It opens its bus before it answers the geometry.
+  static constexpr double patience_s = 0.5, bus_patience_s = 30;
 
   /// The layout's boards are its devices.
   Remote(Address address, const array::Layout& layout);
@@ -44,6 +44,8 @@ class Remote {
   void disconnect();
   bool closed() const { return step_ == Step::closed; }
   bool idle() const { return step_ == Step::idle; }
+  /// Whether it has waited longer than patience_s for the server to open its bus.
+  bool waits_for_bus(double now_s) const { return step_ == Step::geometry && now_s > begun_s_ + patience_s; }
 
   /// The messages to be sent next. Write them while the connection is idle.
   std::size_t devices() const { return devices_; }

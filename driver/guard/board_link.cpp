@@ -19,7 +19,7 @@
 namespace palpa::driver {
 namespace {
 
-constexpr double open_s = 10;  // a board that was left in an unknown state takes seconds to come back
+constexpr double open_s = 40;  // a board that was left in an unknown state takes seconds to come back, a bus longer
 constexpr double exit_s = 1;
 constexpr double hang_s = 1;
 constexpr double most_slot_s = heartbeat_s / 2;  // a longer slot would be silenced between two drives
@@ -130,6 +130,9 @@ class BoardLink final : public session::Link {
       switch (message.said) {
         case Said::warning:
           log::warning(fmt::format("{}: {}", brief_.kind, message.text));
+          break;
+        case Said::waits:
+          log::at_once(fmt::format("{}: {}", brief_.kind, message.text));
           break;
         case Said::info:
           log::info(fmt::format("{}: {}", brief_.kind, message.text));

@@ -76,6 +76,7 @@ class Notes final : public BoardNotes {
  public:
   void warning(std::string_view line) noexcept override { say(guard_socket, Said::warning, line); }
   void info(std::string_view line) noexcept override { say(guard_socket, Said::info, line); }
+  void waits(std::string_view line) noexcept override { say(guard_socket, Said::waits, line); }
 };
 
 /// Copies what the other process wrote. A transducer with anything but an amplitude and a phase is silent.

@@ -163,6 +163,11 @@ double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger) {
   return crest_force_n(plan, layout, kept_level(finger, layout));
 }
 
+double ceiling_for_n(const study::StudyPlan& plan, double crest_n, ObservedFinger& finger) {
+  const array::Layout layout = setup::load_posed_layout(plan.methods[plan.fit.method].layout);
+  return std::sqrt(crest_n / kept_level(finger, layout).linear_crest_n);
+}
+
 observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger) {
   const Loaded loaded(plan);
   const array::Layout& fitted = *loaded.methods[plan.fit.method].layout;

@@ -16,6 +16,10 @@ namespace palpa::experiment {
 /// calibrate_level() does.
 double crest_force_n(const study::StudyPlan& plan, ObservedFinger& finger);
 
+/// The ceiling at which that force would be the one of exact amplitudes and linear acoustics, with the same array;
+/// above 1 if full amplitude gives less.
+double ceiling_for_n(const study::StudyPlan& plan, double crest_n, ObservedFinger& finger);
+
 /// All touches of the plan's methods and candidates. Results are kept between runs. Reports its progress (Activity).
 /// Throws bad_input naming a missing model or layout, otherwise as touch_patterns does.
 observer::Responses observe(const study::StudyPlan& plan, ObservedFinger& finger);

@@ -96,6 +96,13 @@ TEST(Tune, MayChooseTheDwellWithinARange) {
     EXPECT_LE(free.ring.dwell_s, 2e-3);
     EXPECT_NEAR(free.ring.dwell_s * 1e4, std::round(free.ring.dwell_s * 1e4), 1e-9) << "whole tenths";
   }
+  // A dwell at an end of the range is within it, and changes only if that is worth it.
+  for (double perimeter = 10e-3; perimeter < 60e-3; perimeter += 5e-3) {
+    const acoustics::Ring own = ring(perimeter);
+    TuneOptions only;
+    only.shortest_dwell_s = only.longest_dwell_s = own.dwell_s;
+    EXPECT_EQ(tune(own, only).changed, tune(own).changed) << perimeter;
+  }
   // A dwell outside the range has to change, at any cost.
   options.shortest_dwell_s = options.longest_dwell_s = 1e-2;
   const Tuned slow = tune(ring(15e-3), options);

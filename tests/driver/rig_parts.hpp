@@ -12,11 +12,12 @@
 
 namespace palpa::test {
 
-class KeptNotes final : public driver::BoardNotes {
+class KeptNotes : public driver::BoardNotes {
  public:
   void warning(std::string_view line) noexcept override { warnings.emplace_back(line); }
   void info(std::string_view line) noexcept override { infos.emplace_back(line); }
-  std::vector<std::string> warnings, infos;
+  void waits(std::string_view line) noexcept override { waits_for.emplace_back(line); }
+  std::vector<std::string> warnings, infos, waits_for;
 };
 
 /// Waits like begins(). The lock is held while it is asked.

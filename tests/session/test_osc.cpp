@@ -136,6 +136,11 @@ TEST_F(OscTest, ASolidFeelsAsMessagesSay) {
   EXPECT_NEAR(felt(osc, 1e-3F).gain, 0.5, 1e-6);
   settle(osc, message("/palpa/stiffness/cube", {0, 0, 0.002F, 1}));
   EXPECT_NEAR(felt(osc, 1e-3F).gain, std::sqrt(0.5), 1e-3);
+  std::vector<float> longest;  // as many pairs as a table may have
+  for (std::size_t row = 0; row < geometry::most_stiffness_rows; ++row)
+    longest.insert(longest.end(), {1e-4F * static_cast<float>(row), 0.25F});
+  settle(osc, message("/palpa/stiffness/cube", longest));
+  EXPECT_NEAR(felt(osc, 1e-3F).gain, 0.5, 1e-6);
   settle(osc, message("/palpa/stiffness/cube", {0, 1}));
   settle(osc, message("/palpa/texture/cube", {0.25F, 0.75F, 0}));
   EXPECT_NEAR(felt(osc, 1e-3F).gain, 0.5, 1e-6) << "the steady part of a finger at rest";

@@ -117,6 +117,27 @@ TEST(SafeLink, ABoardGetsTheAmplitudesThatItHasAndOnlyWhatSoundsIsCounted) {
   }
 }
 
+TEST(SafeLink, ACeilingLowersThePressuresThatAPlanSays) {
+  struct Told : Link {
+    std::optional<double> reached_pa;
+    double target_pa = 0;
+    void plan(const PlayedPlan& plan) override {
+      if (plan.schedule.voice_count == 0) return;
+      reached_pa = plan.schedule.voices[0].reached_pa;
+      target_pa = plan.schedule.voices[0].target_pa;
+    }
+    void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+  };
+  Player p;
+  p.touch.schedule.voices[0].target_pa = p.touch.schedule.voices[0].pressure_pa = 500;
+  p.touch.schedule.voices[0].reached_pa = 480;
+  Told told;
+  SafeLink safe(told, 3, {.ceiling = 0.3});
+  safe.plan(p.at(p.touch, 0));
+  EXPECT_NEAR(told.reached_pa.value_or(0), 144, 1e-9);
+  EXPECT_NEAR(told.target_pa, 150, 1e-9);
+}
+
 TEST(SafeLink, RoundsDownIfAFingerRequestsAPressure) {
   for (const double asked_pa : {0.0, 500.0}) {
     BoardSpy spy;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iterator>
 #include <span>
 #include <string>
@@ -43,12 +44,16 @@ std::string time_text(double seconds) {
 /// How loud and how strong the plan's sound is.
 struct Strength {
   study::EarLevel level;
-  double crest_n = 0;  ///< of a single focus on a finger
+  double crest_n = 0;        ///< of a single focus on a finger
+  double paper_ceiling = 0;  ///< at which that would be the paper's
 };
+
+constexpr double paper_n = 16e-3;
 
 Strength strength_of(const study::StudyPlan& plan, std::span<const Box> objects) {
   experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
-  return {study::predict_ear_level(plan, objects), experiment::crest_force_n(plan, finger)};
+  return {study::predict_ear_level(plan, objects), experiment::crest_force_n(plan, finger),
+          experiment::ceiling_for_n(plan, paper_n, finger)};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
@@ -63,6 +68,11 @@ std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, c
                  "crest of a single focus\n",
                  plan.level.ceiling, strength.level.loudest_db(), strength.level.word(), plan.level.limit_db,
                  strength.crest_n * 1e3);
+  // Sound pressure follows the ceiling.
+  const double paper_db = strength.level.loudest_db() + 20 * std::log10(strength.paper_ceiling / plan.level.ceiling);
+  fmt::format_to(std::back_inserter(text), "the paper's force, {:g} mN, needs a ceiling of about {:.2g}{}, {:.0f} dB\n",
+                 paper_n * 1e3, strength.paper_ceiling, strength.paper_ceiling > 1 ? ", more than the array has" : "",
+                 paper_db);
   for (std::size_t i = 0; i < steps.size();) {
     const study::PlanBlock& block = plan.blocks[steps[i].block];
     std::size_t end = i;
@@ -89,6 +99,8 @@ std::string plan_json(const study::StudyPlan& plan, std::uint32_t participant, c
       .member("limit_db", plan.level.limit_db)
       .member("level_db", strength.level.loudest_db())
       .member("crest_n", strength.crest_n)
+      .member("paper_n", paper_n)
+      .member("paper_ceiling", strength.paper_ceiling)
       .member("least_trials", plan.counts.least_trials)
       .key("steps")
       .begin_array(JsonWriter::Style::rows);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "base/log.hpp"
@@ -13,6 +14,23 @@ namespace {
 
 std::uint64_t less(std::uint64_t from, std::uint64_t what) {
   return from - std::min(from, what);
+}
+
+/// Where most of them were lost, and what helps.
+std::string_view remedy_of(const HandOver& counts) {
+  const Carried& behind = *counts.behind;
+  if (!behind.guard) return "end other programs, or give a longer --dwell";
+  const std::uint64_t in_guard = less(behind.guard->drives, behind.submitted.drives + behind.starting);
+  const std::uint64_t on_wire = less(behind.submitted.drives, behind.completed.drives);
+  if (less(counts.loop.drives, behind.guard->drives) >= std::max(in_guard, on_wire)) {
+    return "palpa-guard got no processor in time; end other programs, let it have priority (ulimit -e 30), switch "
+           "power "
+           "saving off (cpupower frequency-set -g performance), or give a longer --dwell";
+  }
+  if (in_guard >= on_wire) return "the board took no more; give a longer --dwell, or --method single-focus";
+  return "the device did not take what was sent; put it on a USB controller of its own, without a hub, or give a "
+         "longer "
+         "--dwell";
 }
 
 }  // namespace
@@ -34,10 +52,8 @@ std::string to_text(const HandOver& counts) {
 
 void HandOverWatch::look(const HandOver& counts) {
   if (!counts.unusual() || std::exchange(warned_, true)) return;
-  log::warning(
-      fmt::format("{} of {} drives were lost between loop and device; at most {} are normal ({}): end other programs, "
-                  "or give a longer --dwell",
-                  counts.lost(), counts.loop.drives, counts.normal(), to_text(counts)));
+  log::warning(fmt::format("{} of {} drives were lost between loop and device; at most {} are normal ({}): {}",
+                           counts.lost(), counts.loop.drives, counts.normal(), to_text(counts), remedy_of(counts)));
 }
 
 }  // namespace palpa::session

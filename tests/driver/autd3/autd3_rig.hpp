@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -28,10 +29,12 @@ class Autd3Serving {
   /// `late` is the delay of every request.
   explicit Autd3Serving(driver::autd3::EmulatedServer& server, std::uint16_t port = 0,
                         std::chrono::milliseconds late = {})
+      : Autd3Serving(server, port, [late](auto) { std::this_thread::sleep_for(late); }) {}
+  /// `before` is called with the bytes of each request, before the server takes them.
+  Autd3Serving(driver::autd3::EmulatedServer& server, std::uint16_t port,
+               const std::function<void(std::span<const std::uint8_t>)>& before)
       : listener_(port) {
-    thread_ = std::thread([this, &server, late] {
-      listener_.serve(server, stop_, lock, [late](auto) { std::this_thread::sleep_for(late); });
-    });
+    thread_ = std::thread([this, &server, before] { listener_.serve(server, stop_, lock, before); });
   }
   ~Autd3Serving() {
     stop_ = true;

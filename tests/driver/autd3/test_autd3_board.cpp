@@ -350,6 +350,28 @@ class Stranger {
   std::thread thread_;
 };
 
+/// A server of real units answers the geometry when their bus is open.
+TEST(Autd3Board, WaitsForTheServerToOpenItsBusAndSaysSo) {
+  constexpr std::uint8_t geometry = 0x01;
+  driver::autd3::EmulatedServer server(1);
+  std::atomic<bool> open{false};
+  const test::Autd3Serving serving(server, 0, [&](std::span<const std::uint8_t> bytes) {
+    while (bytes[0] == geometry && !open)
+      std::this_thread::sleep_for(1ms);
+  });
+  struct Opens final : test::KeptNotes {
+    explicit Opens(std::atomic<bool>& bus) : open(&bus) {}
+    void waits(std::string_view line) noexcept override {
+      test::KeptNotes::waits(line);
+      *open = true;
+    }
+    std::atomic<bool>* open;
+  } notes(open);
+  const auto board = board_kind().open({.argument = serving.address(), .layout = array::load_layout("autd3")}, notes);
+  EXPECT_EQ(notes.waits_for, (std::vector<std::string>{"waiting up to 30 s until the server has opened its bus"}));
+  EXPECT_TRUE(board->close());
+}
+
 TEST(Autd3Board, AServerThatLiesOrIsSilentIsGivenUp) {
   const auto expect = [](const std::string& answer, bool stays, const char* part, const char* layout = "autd3") {
     Rig rig(layout);
@@ -362,6 +384,7 @@ TEST(Autd3Board, AServerThatLiesOrIsSilentIsGivenUp) {
   expect("", false, "closed the connection");
   expect(std::string("\xff\xff\xff\xff\xff", 5) + std::string(1000, 'x'), true, "refuses: xxx");
   expect(std::string("\xff\x10\0\0\0too short", 14), false, "closed the connection");
+  expect(std::string("ARMT\x07\x05") + "0.9.0", true, "is a server or simulator of autd3-sdk");
   // Hello, geometry and a message are answered well. Instead of the devices' answers, there is a refusal without a
   // text, and a lot of unrequested data.
   expect(std::string("\0\0\0\xff\0\0\0\0", 8) + std::string(4000, 'x'), true, "refuses", "paper");

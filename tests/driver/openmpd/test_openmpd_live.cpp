@@ -70,6 +70,7 @@ class DeafNotes final : public driver::BoardNotes {
  public:
   void warning(std::string_view) noexcept override { ++warnings; }
   void info(std::string_view) noexcept override {}
+  void waits(std::string_view) noexcept override {}
   int warnings = 0;
 };
 

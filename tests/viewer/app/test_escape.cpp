@@ -42,10 +42,12 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   ASSERT_TRUE(comes_to(LiveState::running));
   const Vec2 held = hold_ceiling_in_the_middle();
   ASSERT_TRUE(app_->data().ceiling);
+  ASSERT_TRUE(goes_round_until([&] { return heard_->last_sounds && heard_->loudest < 0.6; })) << "the array follows";
   tap(Key::escape);
   button(Kind::release, held.x, held.y);
   draw();
   EXPECT_EQ(options().safety.ceiling, 1);
+  EXPECT_TRUE(goes_round_until([&] { return heard_->last_sounds && heard_->loudest > 0.99; })) << "as the slider shows";
   EXPECT_FALSE(says("Q quits")) << "the slider was innermost";
 }
 
