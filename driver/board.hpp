@@ -40,7 +40,7 @@ class BoardNotes {
   virtual ~BoardNotes() = default;
   virtual void warning(std::string_view line) noexcept = 0;  ///< a problem that a person should act on, and its end
   virtual void info(std::string_view line) noexcept = 0;     ///< such as the rate that was reached
-  virtual void waits(std::string_view line) noexcept = 0;    ///< why opening takes long, written at once
+  virtual void waits(std::string_view line) noexcept = 0;    ///< why opening is slow, written at once
 };
 
 /// How a board is to be opened. It goes from the link to the guard's Board as one value.

@@ -139,7 +139,7 @@ enum class Said : char {
   refused = 'r',  ///< the exit code, then the line of the Error
   warning = 'w',
   info = 'i',
-  waits = 'b',           ///< opening takes long; a line that is written at once
+  waits = 'b',           ///< opening is slow; a line that is written at once
   asked_to_leave = 't',  ///< SIGTERM: the board is silent, and the guard ends
   silent = 's',          ///< the last thing on the wire was all-off
   unsure = 'u',          ///< it should be, but it is not known whether it arrived

@@ -10,8 +10,8 @@
 #include "base/error.hpp"
 #include "session/loop/live_fingers.hpp"
 #include "session/loop/loop.hpp"
+#include "session/plan/played_parts.hpp"
 #include "session/plan/tuning_thread.hpp"
-#include "session/watch/played_parts.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {

@@ -21,7 +21,8 @@ namespace palpa::driver::sonicsurface {
 namespace {
 
 constexpr int look_ms = 20;
-/// A serial port delivers its bytes one by one, at the boards' speed. So few are read that their time is short.
+/// A serial port delivers its bytes one by one, at the boards' speed. It reads few at a time, so that their time is
+/// short.
 constexpr std::size_t most_at_once = 64;
 constexpr double byte_s = 10 / 227556.0;
 

@@ -20,8 +20,8 @@ class Pty {
   /// The end that programs open, such as /dev/pts/3.
   const std::string& path() const { return path_; }
 
-  /// Passes incoming bytes to the boards at the speed of a serial port until `stop`, which it checks 50 times a second. `heard` gets the bytes before
-  /// the boards do. `lock` is held while the boards are used.
+  /// Passes incoming bytes to the boards at the speed of a serial port until `stop`, which it checks 50 times a second.
+  /// `heard` gets the bytes before the boards do. `lock` is held while the boards are used.
   void serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
              const std::function<void(std::span<const std::uint8_t>)>& heard = {}) const;
 

@@ -1,4 +1,4 @@
-#include "session/watch/played_parts.hpp"
+#include "session/plan/played_parts.hpp"
 
 #include <cmath>
 #include <complex>
