@@ -198,8 +198,9 @@ class Plan:
     def _loaded(self):
         import tomllib
         self.files.append(pathlib.Path(self.name))
+        data = _engine._text_of(self.name)
         try:
-            text = _engine._text_of(self.name).decode().replace("\r\n", "\n")
+            text = data.decode().replace("\r\n", "\n")
             if self.files[0].suffix != ".py":
                 return tomllib.loads(text)
             names = {"__name__": "plan", "__file__": self.name}
