@@ -92,6 +92,7 @@ void measure_links(std::uint32_t runs, std::vector<bench::Row>& rows) {
   layout.transducers.resize(boards * openmpd::transducers);
   const std::string files;
   NoNotes notes;
+  argument += ",lag=0";  // all boards are sent the same
   openmpd::OpenMpdBoard board({argument, files, layout, slot_s}, notes, bus, clock);
 
   const openmpd::Encoder encoder;

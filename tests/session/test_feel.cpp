@@ -101,16 +101,20 @@ TEST(Feel, VibrationsForWhichSlotsAreTooLongAreNotPlayed) {
                {1.5e-3, true, false, false, false}};
   for (const auto& [dwell_s, steady, clicks, is_fine, is_coarse] : cases) {
     Frames frames({button(), plate(), coarse}, {.voice = {.dwell_s = dwell_s}, .steady = steady});
-    frames.next({{}, {.id = 2, .solid = 1}, {.id = 3, .solid = 2}});
-    frames.next({{.depth_m = 0.004F}, {.id = 2, .solid = 1}, {.id = 3, .solid = 2}});
+    const auto at = [](int frame) { return Vec3(0.01 + 0.002 * frame, 0, 0.02); };  // textures need motion
+    for (int frame = 0; frame < 4; ++frame) {
+      frames.next({{.depth_m = frame < 3 ? 0.001F : 0.004F},
+                   {.centroid = at(frame), .id = 2, .solid = 1},
+                   {.centroid = at(frame), .id = 3, .solid = 2}});
+    }
     EXPECT_EQ(frames.is_clicking(), clicks) << dwell_s;
     EXPECT_EQ(frames.schedule.voices[1].course.changes(), is_fine) << dwell_s;
     EXPECT_EQ(frames.schedule.voices[2].course.changes(), is_coarse) << dwell_s;
     // Other programs' messages as well.
     Frames later({{}, {}}, {.voice = {.dwell_s = dwell_s}, .steady = steady});
     later.scheduler.change_feel(1, {.texture = array::Texture{0.2, 1, 0.6}});
-    later.next({{}, {.id = 2, .solid = 1}});
-    later.next({{}, {.id = 2, .solid = 1}});
+    for (int frame = 0; frame < 4; ++frame)
+      later.next({{}, {.centroid = at(frame), .id = 2, .solid = 1}});
     EXPECT_EQ(later.schedule.voices[1].course.changes(), is_fine) << dwell_s;
   }
 }
