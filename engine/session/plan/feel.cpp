@@ -68,7 +68,7 @@ Feel::Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics
     own.press_depth_m = haptics.press_depth_m;
     own.grain_m = haptics.grain_m.value_or(geometry::default_grain_m);
     if (haptics.click) set(own, *haptics.click);
-    if (haptics.texture) set(own, {(*haptics.texture)[0], (*haptics.texture)[1], (*haptics.texture)[2]});
+    if (haptics.texture) own.texture = {(*haptics.texture)[0], (*haptics.texture)[1], (*haptics.texture)[2]};
     if (!haptics.stiffness) continue;
     const std::size_t rows = std::min(haptics.stiffness->size(), geometry::most_stiffness_rows);
     for (const geometry::DepthForce& row : std::span(*haptics.stiffness).first(rows))
@@ -81,8 +81,8 @@ void Feel::set(Own& own, const geometry::Click& click) const {
   own.click = carries(pace_, click.hz) ? click : geometry::Click{.burst_s = 0};
 }
 
-void Feel::set(Own& own, const array::Texture& texture) const {
-  own.texture = carries(pace_, fastest_hz(texture)) ? std::optional(texture) : std::nullopt;
+bool Feel::vibrates(const Own& own) const {
+  return own.texture && carries(pace_, fastest_hz(*own.texture));
 }
 
 bool Feel::Own::silence_first() const {
@@ -97,7 +97,7 @@ void Feel::change(std::uint32_t solid, const FeelChange& change) {
   Own& own = solids_[solid];
   if (change.click) set(own, *change.click);
   if (change.stiffness) own.stiffness = *change.stiffness;
-  if (change.texture) set(own, *change.texture);
+  if (change.texture) own.texture = change.texture;
 }
 
 void Feel::shape(const touch::Touch& touch, double time_s, const Following& following, const Vec3& aim,
@@ -115,7 +115,7 @@ void Feel::shape(const touch::Touch& touch, double time_s, const Following& foll
     if (following.follows) {
       Known& known = this->known(finger.id);
       give(course_of(own, finger, frame, known), voice, frame.slot_s);
-      if (own.texture) voice.modulation_hz = 0;
+      if (vibrates(own)) voice.modulation_hz = 0;
       if (own.clicks()) click(own, finger, touches_.held()[f], frame, known, voice);
       known.seen_s = time_s;
     } else {
@@ -144,7 +144,7 @@ array::Course Feel::course_of(const Own& own, const touch::Finger& finger, const
   known.place = place;
   const double speed = std::min(1.0, glm::length(known.velocity) / full_texture_speed_m_s);
   const array::Course::Values now{.force = own.force(double{finger.depth_m}),
-                                  .motion = own.texture ? speed * speed * (3 - 2 * speed) : 0,
+                                  .motion = vibrates(own) ? speed * speed * (3 - 2 * speed) : 0,
                                   .place = place / own.grain_m};
   array::Course course{.from = now, .to = now, .texture = own.texture.value_or(array::Texture())};
   if (frame.first_slot) {

@@ -72,8 +72,8 @@ double fastest_hz(const array::Texture& texture);
 /// Keeps what it knows of each finger from frame to frame.
 class Feel {
  public:
-  /// `resolved` has the solids' gains. Touches end as those of events with the same hold. Clicks and textures that the
-  /// pace does not carry are not played.
+  /// `resolved` has the solids' gains. Touches end as those of events with the same hold. Clicks and vibrations that
+  /// the pace does not carry are not played; a texture then has its steady part.
   Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, const GainPace& pace,
        double hold_s);
 
@@ -126,7 +126,7 @@ class Feel {
              array::Voice& voice);
 
   void set(Own& own, const geometry::Click& click) const;
-  void set(Own& own, const array::Texture& texture) const;
+  bool vibrates(const Own& own) const;
 
   GainPace pace_;
   std::vector<Own> solids_;
