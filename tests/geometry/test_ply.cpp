@@ -154,6 +154,10 @@ TEST(Ply, MayBeginWithAByteOrderMark) {
   EXPECT_CONTAINS(test::error_of([&] { read(mark + ascii + "1 x 3\n"); }), "line 8: \"x\"");
   const std::string binary = header("binary_little_endian", "element vertex 1\n" + xyz);
   EXPECT_EQ(read(mark + binary + std::string(12, '\0')).positions, (std::vector<Vec3>{{0, 0, 0}}));
+  std::string wide = "\xff\xfe";
+  for (const char c : ascii)
+    wide += std::string{c, '\0'};
+  EXPECT_CONTAINS(fault_of(wide), "is text in UTF-16; save it as UTF-8");
 }
 
 TEST(Ply, LinesMayEndWithACarriageReturn) {

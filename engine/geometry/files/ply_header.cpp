@@ -91,7 +91,7 @@ class HeaderLine {
 Header parse_header(const InputFile& file) {
   const std::string& name = file.name();
   std::string text = file.head(longest_header);
-  const std::size_t mark = mark_of(text);
+  const std::size_t mark = text.size() - text_in(text, name).size();
   text.erase(0, mark);
   if (!text.starts_with("ply") || (text.size() > 3 && text[3] != '\n' && text[3] != '\r')) {
     throw bad_input(name, "is not a PLY file: its first line is not \"ply\"");
