@@ -40,6 +40,7 @@ TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
   EXPECT_EQ(features[1]["name"], "liblo");
   EXPECT_EQ(features[2]["name"], "SDL2");
   const std::string about = palpa({"--version"}).out;
+  EXPECT_NE(about.find(", tinygltf 2."), std::string::npos) << about;
   for (const json& feature : features) {
     const std::string name = feature["name"];
     EXPECT_EQ(about.find("+" + name) != std::string::npos, feature["present"].get<bool>()) << about;

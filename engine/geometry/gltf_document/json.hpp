@@ -35,9 +35,9 @@ class Parsed {
   std::vector<std::string_view> long_strings_;  // into the text
 };
 
-/// An object of the document with its name for messages, e.g. "accessor 3". Everything that is read from it is also
-/// written into a reduced copy of the document, if there is one: with numbers in their plain form (28 for 28.0) and
-/// nothing that is not checked.
+/// An object of the document with its name for messages, e.g. "accessor 3". All values that are read from it (not those
+/// of json() and array()) also go into a reduced copy of the document, if there is one: checked, and whole numbers in
+/// their plain form (28 for 28.0).
 class Item {
  public:
   /// `reduced` is this object in the copy; nullptr: none. Throws bad_input unless `value` is an object.
