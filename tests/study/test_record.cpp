@@ -343,7 +343,7 @@ TEST_F(RecordTest, OnlyItsOwnerReadsAParticipantsFiles) {
   sit(1, 10);
   EXPECT_EQ(test::open_to_others(folder_ / "sub-01"), std::vector<fs::path>());
   EXPECT_TRUE(fs::exists(log_));
-  // Of a palpa that did not restrict them, or copied.
+  // As an older palpa left them, or a copy.
   for (const fs::path& path : fs::recursive_directory_iterator(folder_))
     fs::permissions(path, fs::perms(fs::is_directory(path) ? 0755 : 0644));
   sit(1);

@@ -63,7 +63,7 @@ std::vector<std::pair<std::string, Confusion>> read_results(const std::filesyste
   const std::string file = path.string();
   const json document = json::parse(read_file(path, most_bytes), nullptr, false);
   const json kind = document.is_object() ? document.value("kind", json()) : json();
-  // Of a table of counts, palpa once wrote no kind.
+  // Earlier versions wrote no kind for a table of counts.
   const bool compared = document.is_object() && document.contains("tables");
   if (kind != results_kind && !(compared && (kind == comparison_kind || kind.is_null())))
     refuse(file, "\"kind\" is not that of such a file");
