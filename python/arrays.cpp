@@ -12,7 +12,9 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "module.hpp"
+#include "options.hpp"
 #include "running.hpp"
+#include "shapes.hpp"
 
 namespace palpa::python {
 namespace {
@@ -160,7 +162,7 @@ double length_of(const std::string& name, py::handle value) {
   const auto refused = [&] {
     return bad_usage(fmt::format("{}: give {}; palpa got {}", name, quantity_hint(Quantity::length), repr_of(value)));
   };
-  if (py::isinstance<py::bool_>(value)) throw refused();
+  if (is_flag(value)) throw refused();
   if (py::isinstance<py::str>(value)) {
     if (const auto metres = parse_quantity(bytes_of(name, value), Quantity::length)) return *metres;
     throw refused();
@@ -219,13 +221,35 @@ std::vector<glm::uvec3> triangles_of(const std::string& name, py::handle value, 
   return triangles;
 }
 
+bool is_flag(py::handle value) {
+  return PyBool_Check(value.ptr()) || py::isinstance(value, py::module_::import("numpy").attr("bool_"));
+}
+
+std::vector<py::object> depth_images_of(const char* name, const py::object& value) {
+  if (value.is_none()) return {};
+  if (path_of(value)) return {value};
+  if (py::isinstance<py::array>(value)) {
+    const py::array array(value);
+    constexpr py::ssize_t most_channels = 4;  // the image of a colour camera is one that is refused
+    const bool stack = array.ndim() == 3 && array.shape(2) > most_channels;
+    const bool numbers = is_real(array) || array.dtype().kind() == 'b' || array.dtype().kind() == 'c';
+    if (numbers && !stack) return {value};
+  }
+  if (!is_list(value)) throw bad_usage(fmt::format("{}: give a path, or a list of these", name));
+  std::vector<py::object> several;
+  // A sequence may make its parts when they are asked for, as arrays do: only py::object keeps them.
+  for (const py::object part : value.cast<py::sequence>())
+    several.push_back(part);
+  return several;
+}
+
 std::vector<std::uint16_t> depths_of(const std::string& name, py::handle value, std::uint32_t width,
                                      std::uint32_t height) {
   const std::string wanted =
       fmt::format("a depth image, an array of shape ({}, {}) of the type uint16, as its camera says", height, width);
   const py::array given = any_array(name, value, wanted.c_str());
-  if (given.ndim() != 2 || given.shape(0) != height || given.shape(1) != width)
-    refuse_shape(name, given, wanted.c_str());
+  const bool image = given.ndim() == 2 || (given.ndim() == 3 && given.shape(2) == 1);
+  if (!image || given.shape(0) != height || given.shape(1) != width) refuse_shape(name, given, wanted.c_str());
   if (given.dtype().kind() != 'u' || given.itemsize() != 2) refuse_type(name, given, wanted.c_str());
   const auto array = py::array_t<std::uint16_t, py::array::c_style | py::array::forcecast>::ensure(given);
   if (!array) throw py::error_already_set();

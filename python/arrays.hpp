@@ -41,7 +41,11 @@ double length_of(const std::string& name, py::handle value);
 Transform transform_of(const std::string& name, py::handle value);
 /// An array of shape (m, 3) of whole numbers below `points`.
 std::vector<glm::uvec3> triangles_of(const std::string& name, py::handle value, std::size_t points);
-/// An array of shape (height, width) of 16-bit depths.
+/// True or False, also NumPy's.
+bool is_flag(py::handle value);
+/// Depth images, each a path or an array: one, or a sequence of them, such as an array of shape (n, height, width).
+std::vector<py::object> depth_images_of(const char* name, const py::object& value);
+/// An array of shape (height, width) or (height, width, 1) of 16-bit depths.
 std::vector<std::uint16_t> depths_of(const std::string& name, py::handle value, std::uint32_t width,
                                      std::uint32_t height);
 /// A complex vector with an entry for each transducer.

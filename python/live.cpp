@@ -79,8 +79,7 @@ std::shared_ptr<TouchObject> frame_of(const session::FrameReport& report, const 
 
 /// False, also NumPy's.
 bool is_false(const py::object& answer) {
-  if (answer.is_none() || PyBool_Check(answer.ptr())) return answer.is(py::bool_(false));
-  return py::isinstance(answer, py::module_::import("numpy").attr("bool_")) && PyObject_Not(answer.ptr()) == 1;
+  return is_flag(answer) && PyObject_Not(answer.ptr()) == 1;
 }
 
 /// Calls a callback with the interpreter's lock. Its exception ends the run at once, as an error; the answer False ends

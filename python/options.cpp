@@ -43,7 +43,7 @@ Error not_a_value(const std::string& name, const char* wanted) {
 
 /// A number, a text or a path as it would stand on a command line.
 std::string text_of(const std::string& name, py::handle value) {
-  if (py::isinstance<py::bool_>(value)) throw not_a_value(name, "a value, not True or False");
+  if (is_flag(value)) throw not_a_value(name, "a value, not True or False");
   if (py::isinstance<py::str>(value)) return bytes_of(name, value);
   if (PyIndex_Check(value.ptr())) {
     const py::object number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
@@ -81,7 +81,7 @@ std::string joined(const std::string& name, py::handle value) {
 /// The values of a keyword; none means that the option is not given.
 bool values_of(bool flag, bool several, const std::string& name, py::handle value, std::vector<std::string>& texts) {
   if (flag) {
-    if (!py::isinstance<py::bool_>(value)) throw not_a_value(name, "True or False");
+    if (!is_flag(value)) throw not_a_value(name, "True or False");
     return value.cast<bool>();
   }
   if (several && is_list(value)) {

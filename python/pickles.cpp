@@ -76,7 +76,7 @@ PALPA_FIELDS(UsedBackend, backend, why)
 PALPA_FIELDS(TouchValues, touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total,
              times)
 PALPA_FIELDS(DriveSpread, draws, pressures, evenness, nulls)
-PALPA_FIELDS(NullReport, places, kept)
+PALPA_FIELDS(NullReport, places, kept, quiet, loud)
 PALPA_FIELDS(DriveResult, layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread)
 PALPA_FIELDS(Places, points, grid, line, triangles)
 PALPA_FIELDS(FieldSpread, draws, peak, peak_at, amplitudes)

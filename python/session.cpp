@@ -201,12 +201,11 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
     points = skin_of_frame(o, "skin", skin);
   } else {
     const std::vector<sensing::Camera>& cameras = session.setting().cameras;
-    if (!is_list(depth) || py::len(depth) != cameras.size())
+    const std::vector<py::object> given = depth_images_of("depth", depth);
+    if (given.size() != cameras.size())
       throw bad_usage(fmt::format("depth: give a list of {}, one for each camera", counted(cameras.size(), "array")));
-    for (std::size_t i = 0; i < cameras.size(); ++i) {
-      const py::object image = depth[py::int_(i)];
-      images.push_back({depths_of("depth", image, cameras[i].width, cameras[i].height), time});
-    }
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      images.push_back({depths_of("depth", given[i], cameras[i].width, cameras[i].height), time});
   }
   const Turn turn(o);
   std::shared_ptr<TouchObject> made = unlocked([&] {

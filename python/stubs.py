@@ -12,7 +12,7 @@ import palpa  # noqa: E402  pylint: disable=wrong-import-position
 PATH = "_Path"
 WORDS = {  # the types in docstrings, and in stubs; the first that fits a part of a text counts
     "array_like": "ArrayLike", "dict": "dict[str, Any]", "(vertices, faces)": "tuple[ArrayLike, ArrayLike]", "(float, float)": "tuple[float, float]",
-    "(int, int)": "tuple[int, int]", "path": PATH, "float": "float", "int": "int", "bool": "bool", "str": "str", "callable": "Callable[..., Any]",
+    "(int, int)": "tuple[int, int]", "path": PATH, "float": "float", "int": "int", "bool": "bool | np.bool_", "str": "str", "callable": "Callable[..., Any]",
 }
 ARRAYS = {"float64": "np.float64", "complex128": "np.complex128", "uint32": "np.uint32", "uint16": "np.uint16", "int64": "np.int64"}
 NUMBERS = {"LENGTH", "TIME", "FREQUENCY", "SPEED", "PRESSURE", "CELSIUS", "PERCENT"}
@@ -25,7 +25,7 @@ def literal(words):
 def given_type(text):
     """The type of a parameter, from a docstring such as "array_like, shape (n, 3), or path, optional"."""
     if text.startswith("{"):
-        return literal(re.findall(r'"([^"]+)"', text))
+        return literal(re.findall(r'"([^"]+)"', text)) + " | str"
     text = re.sub(r",? shape \([^)]*\)( or \([^)]*\))?|of shape \([^)]*\)|of (complex|int)\b", "", text)
     kinds = []
     if "list of these" in text or "list of path" in text:
@@ -43,7 +43,8 @@ def given_type(text):
 def shown_type(doc):
     """The type of a property or a result, from "ndarray of float64, shape (n,), or None: ..."."""
     head = re.split(r":(?: |$)", doc, maxsplit=1)[0].strip()
-    none = " | None" if head.endswith("or None") else ""
+    # Who asked for it knows that it is there, and need not say so to a type checker.
+    none = " | Any" if head.endswith("or None") else ""
     head = re.sub(r",? or None$", "", head)
     if match := re.match(r"ndarray of (\w+)", head):
         return f"NDArray[{ARRAYS[match[1]]}]{none}"
@@ -83,9 +84,9 @@ def option_lines(name, known):
     lines = []
     for keyword, kind, _, _, words, flag in palpa._engine._options().get(name, []):
         if flag:
-            given = "bool"
+            given = "bool | np.bool_"
         elif words:
-            given = literal(words)
+            given = literal(words) + " | str"  # a variable of a loop over words is a str
         elif kind in NUMBERS:
             given = "float | str"
         elif kind in {"COUNT", "NUMBER", "INTEGER", "N"}:

@@ -47,18 +47,6 @@ bool is_text_or_path(py::handle value) {
   return path_of(value).has_value();
 }
 
-std::vector<py::object> one_or_several(const char* name, const py::object& value) {
-  if (value.is_none()) return {};
-  const bool one = is_text_or_path(value) || (py::isinstance<py::array>(value) && py::array(value).ndim() == 2);
-  if (one) return {value};
-  if (!is_list(value)) throw bad_usage(fmt::format("{}: give a path, or a list of these", name));
-  std::vector<py::object> several;
-  // A sequence may make its parts when they are asked for, as arrays do: only py::object keeps them.
-  for (const py::object part : value.cast<py::sequence>())
-    several.push_back(part);
-  return several;
-}
-
 /// Depth images as arrays, with the cameras of files.
 setup::TouchInput depth_arrays(const std::vector<py::object>& images, const setup::TouchInputOptions& o) {
   setup::TouchInput input;
@@ -77,7 +65,7 @@ setup::TouchInput skin_of(const SceneObject& scene, const py::object& skin, cons
                           const py::object& camera, const py::object& rig, const py::object& penetration) {
   setup::TouchInputOptions o;
   o.scene = scene.name();
-  const std::vector<py::object> images = one_or_several("depth", depth);
+  const std::vector<py::object> images = depth_images_of("depth", depth);
   take_cameras(camera, o);
   if (!rig.is_none()) o.rig = file_of("rig", rig);
   if (!penetration.is_none()) o.penetration_m = length_of("penetration", penetration);

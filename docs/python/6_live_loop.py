@@ -43,7 +43,7 @@ print(stats, stats.drives, "drives,", stats.silent_drives, "silent")
 with palpa.Session(scene, source="synthetic", link=f"record:{folder}/softer.bin", every_frame=True, backend="cpu") as session:
     session.start(frames=30)
     session.set_gain(0.5)
-    session.set_pose("cube", [[1, 0, 0, 0], [0, 1, 0, -0.002], [0, 0, 1, 0], [0, 0, 0, 1]])
+    session.set_pose("cube", [[1.0, 0, 0, 0], [0, 1.0, 0, -0.002], [0, 0, 1.0, 0], [0, 0, 0, 1.0]])
     print(session.wait())
 
 # %%

@@ -35,6 +35,17 @@ double without_rows(const FocusMatrix& matrix, std::size_t rows, NullScratch& sc
   return least;
 }
 
+/// Replaces what one focus asks for by its own sound, and fills its R. With even amplitudes, these are the same phases,
+/// and the nearest silent drive then has nearly those of the loudest one (docs/notes/nulls.md#uniform-and-clamp).
+void ask_own_sound(NullScratch& scratch) {
+  scratch.asked = scratch.sounds;
+  for (double& im : scratch.asked.im)
+    im = -im;
+  scratch.own.foci = 1;
+  scratch.own.re.assign(1, inner_product(scratch.sounds, 0, scratch.sounds, 0).real());
+  scratch.own.im.assign(1, 0);
+}
+
 /// Fills R', and returns how many rows it is without.
 std::size_t choose_rows(const Nulls& nulls, const FocusMatrix& matrix, Constraint constraint, NullScratch& scratch) {
   const std::size_t foci = matrix.foci, all = nulls.rows().rows;
@@ -73,6 +84,26 @@ void add_up(const Nulls& nulls, std::size_t rows, FactorOf factor_of, NullScratc
       heard += scratch.heard[i * foci + j] * factor_of(j);
     add_conjugate(-heard, nulls.rows(), i, scratch.sums, 0);
   }
+}
+
+/// How loud a drive of one focus is if it is played in proportion.
+double loudness_in_proportion(const SplitRows& sums, const NullScratch& scratch) {
+  const double largest = largest_of(sums, 0);
+  return largest > 0 ? magnitude(product(scratch.sounds, 0, sums, 0)) / largest : 0;
+}
+
+/// Fewer rows, so that the drive of one focus, which is played in proportion, keeps its share of pressure: silence
+/// raises the amplitudes of a few transducers, and all others are then lowered. Never fewer than those of centres.
+std::size_t give_way(const Nulls& nulls, std::size_t rows, NullScratch& scratch) {
+  const double least = std::sqrt(null_keeps) * loudness_in_proportion(scratch.asked, scratch);
+  const std::size_t centres = nulls.rows_to(1);
+  add_up(
+      nulls, rows, [](std::size_t) { return Complex(1); }, scratch);
+  while (rows > centres && loudness_in_proportion(scratch.sums, scratch) < least) {
+    --rows;
+    add_conjugate(scratch.heard[rows], nulls.rows(), rows, scratch.sums, 0);
+  }
+  return rows;
 }
 
 /// The same for a drive that is played in proportion: with several foci, its loudest transducers are lowered. Returns
@@ -140,6 +171,8 @@ void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci) {
   scratch.across.reserve(rows * foci);
   scratch.matrix.re.reserve(foci * foci);
   scratch.matrix.im.reserve(foci * foci);
+  scratch.own.re.reserve(1);
+  scratch.own.im.reserve(1);
   scratch.targets.reserve(foci);
   scratch.other.reserve(stride);
   SilentScratch& silent = scratch.silent;
@@ -163,6 +196,7 @@ void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci) {
   silent.across.reserve(all);
   silent.normal.reserve((foci + 2 * rows) * (foci + 2 * rows));
   silent.rest.reserve(foci + 2 * rows);
+  silent.mean.reserve(foci + 2 * rows);
 }
 
 double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMatrix& matrix,
@@ -171,7 +205,12 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   assert(sums.size() == columns.transducers && gains.size() == columns.foci && weights.size() == columns.foci);
   split_sounds(columns, scratch.sounds);
   split_asked(columns, scratch.asked);
-  const std::size_t rows = choose_rows(nulls, matrix, constraint, scratch);
+  // With one focus, `clamp` is as `uniform`: of all drives with silent rows, the loudest has full amplitudes.
+  const Constraint within = constraint == Constraint::clamp && columns.foci == 1 ? Constraint::uniform : constraint;
+  const bool asks_own = within == Constraint::uniform && columns.foci == 1;
+  if (asks_own) ask_own_sound(scratch);
+  std::size_t rows = choose_rows(nulls, asks_own ? scratch.own : matrix, within, scratch);
+  if (constraint == Constraint::normalise && columns.foci == 1) rows = give_way(nulls, rows, scratch);
   find_weights(columns, gains, weights, gs_pat_scratch, scratch);
   const auto plain = [&](std::size_t j) { return weights[j].plain; };
   const auto heard = [&](std::size_t j) { return weights[j].heard; };
@@ -191,11 +230,11 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   } else {
     const SilentGoal goal{scratch.sounds, scratch.targets, nulls.rows(), rows, nulls.loudness()};
     scratch.other.assign(sums.begin(), sums.end());
-    bound(constraint, sums);
+    bound(within, sums);
     const double before = loudness_of_weakest(sums, scratch);
     const Silenced silenced = silent_phases(goal, sums, scratch.silent);
     weakest = loudness_of_weakest(sums, scratch);
-    if (constraint == Constraint::clamp && weakest < null_clamp_keeps * before) {
+    if (within == Constraint::clamp && weakest < null_clamp_keeps * before) {
       bound(Constraint::uniform, scratch.other);
       const double depth = silent_phases(goal, scratch.other, scratch.silent).depth;
       const double loud = loudness_of_weakest(scratch.other, scratch);

@@ -13,9 +13,12 @@
 // `uniform` null_keeps_uniform). If one then still keeps less than null_keeps, further rows are left out one by one,
 // but never centres.
 //
-// Under `clamp`, silencing may cost half of the loudness, because the drive is far from even amplitudes. If the weakest
-// focus keeps less than null_clamp_keeps of its pressure, the same phases at full amplitude are silenced, too, and the
-// louder drive is taken.
+// Under `normalise`, one focus also keeps null_keeps of the power that it has without nulls: the last rows are left
+// out, but never centres.
+//
+// Under `clamp` with several foci, silencing may cost half of the loudness, because the drive is far from even
+// amplitudes. If the weakest focus keeps less than null_clamp_keeps of its pressure, the same phases at full amplitude
+// are silenced, too, and the louder drive is taken. With one focus, the drive is that of `uniform`.
 #pragma once
 
 #include <complex>
@@ -41,7 +44,7 @@ inline constexpr double null_clamp_keeps = 0.75;
 struct NullScratch {
   SplitRows sounds, asked;                          ///< G and B of the foci
   std::vector<std::complex<double>> heard, across;  ///< Q B and Q G^H, [row * foci + focus]
-  FocusMatrix matrix;                               ///< R'
+  FocusMatrix matrix, own;                          ///< R', and R of a focus that asks for its own sound
   std::vector<double> targets;
   SplitRows sums;
   std::vector<std::complex<double>> other;  ///< another drive, from an even start

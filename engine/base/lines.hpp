@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,5 +29,10 @@ class Lines {
 
 /// The cells between separators, as they are.
 std::vector<std::string_view> cells_of(std::string_view line, char separator);
+
+/// The cells as a spreadsheet means them: without spaces around them, and without quotes, within which a separator is a
+/// letter and two quotes are one. A quote that does not end is a letter. At most `most` + 1 cells: further ones are not
+/// listed.
+std::vector<std::string> plain_cells_of(std::string_view line, char separator, std::size_t most);
 
 }  // namespace palpa

@@ -19,9 +19,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+mode_t mode_of(const OutputPlace& place) {
+  return place.is_personal ? 0600 : 0666;
+}
+
+/// A file of a participant may be there with another mode. A file system without modes, and a file of somebody else,
+/// keep theirs.
+void restrict_mode(const OutputPlace& place, int descriptor) {
+  if (place.is_personal) static_cast<void>(!::fchmod(descriptor, mode_of(place)));
+}
+
 /// Does not wait for a pipe's reader: without one, errno is ENXIO.
-int try_to_open(const fs::path& file) {
-  return ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0666);
+int try_to_open(const OutputPlace& place) {
+  return ::open(place.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, mode_of(place));
 }
 
 int wait_for_reader(const OutputPlace& place, const Patience& patience) {
@@ -31,7 +41,7 @@ int wait_for_reader(const OutputPlace& place, const Patience& patience) {
   for (bool told = false;;) {
     // A signal that does not end the program ends the wait, just as it ends a call that opens such a pipe.
     const bool signalled = ::nanosleep(&slice, nullptr) != 0 && errno == EINTR;
-    const int descriptor = try_to_open(place.path);
+    const int descriptor = try_to_open(place);
     if (descriptor >= 0 || errno != ENXIO) return descriptor;
     const double waited_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (patience.seconds && waited_s > *patience.seconds)
@@ -145,11 +155,12 @@ OpenFile open_output(const fs::path& path, const Patience& patience) {
   const OutputPlace place = writable_place(path);
   if (place.is_stdout) return {place.name, ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0)};
   std::error_code ignored;
-  int descriptor = try_to_open(place.path);
+  int descriptor = try_to_open(place);
   if (descriptor < 0 && errno == ENXIO && fs::is_fifo(place.path, ignored))
     descriptor = wait_for_reader(place, patience);
   OpenFile file(place.name, descriptor);
   if (file.on_disk()) {
+    restrict_mode(place, descriptor);
     lock(file);  // without locks, it must be believed that nobody else writes
     if (::ftruncate(descriptor, 0) != 0) throw write_failure(place.name, errno);
   }
@@ -162,7 +173,8 @@ OpenFile open_to_append(const fs::path& path) {
   const OutputPlace place = writable_place(path);
   const bool absent = place.type == fs::file_type::not_found;
   if (!absent && place.type != fs::file_type::regular) throw failure(place.name + ": is not a regular file");
-  OpenFile file(place.name, ::open(place.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_APPEND, 0666));
+  OpenFile file(place.name, ::open(place.path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_APPEND, mode_of(place)));
+  restrict_mode(place, file.descriptor());
   if (!lock(file)) {
     throw failure(place.name + ": cannot be locked: " + std::system_category().message(errno) +
                   "; use a folder on a file system with locks");
@@ -179,18 +191,18 @@ OutputFile::OutputFile(const fs::path& file) : place_(writable_place(file)) {
 /// Opens the file without a name if the file system supports that. False if this cannot replace the file that is there.
 bool OutputFile::open_beside() {
   const bool replaces = place_.type == fs::file_type::regular;
-  int descriptor = ::open(place_.folder().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  int descriptor = ::open(place_.folder().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode_of(place_));
   if (descriptor >= 0 && ::access(link_of(descriptor).c_str(), F_OK) != 0) ::close(std::exchange(descriptor, -1));
   for (errno = EEXIST; descriptor < 0 && errno == EEXIST;) {
     beside_ = new_name(place_);
-    descriptor = ::open(beside_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    descriptor = ::open(beside_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode_of(place_));
   }
   if (descriptor < 0) beside_.clear();
   if (descriptor < 0 && replaces && (errno == EACCES || errno == EPERM || errno == EROFS)) return false;
   file_ = OpenFile(place_.name, descriptor);
   struct stat old {};
   if (!replaces || (::stat(place_.path.c_str(), &old) == 0 && ::fchown(descriptor, old.st_uid, old.st_gid) == 0 &&
-                    ::fchmod(descriptor, old.st_mode & 07777) == 0))
+                    ::fchmod(descriptor, place_.is_personal ? mode_of(place_) : old.st_mode & 07777) == 0))
     return true;
   if (!beside_.empty()) ::unlink(std::exchange(beside_, {}).c_str());
   return false;
@@ -239,6 +251,21 @@ void write_file(const fs::path& file, std::string_view bytes) {
   OutputFile output(file);
   output.write(bytes);
   output.finish();
+}
+
+bool make_folder(const fs::path& folder) {
+  if (::mkdir(folder.c_str(), is_personal(folder) ? 0700 : 0777) == 0) return true;
+  const int fault = errno;
+  std::error_code ignored;
+  if (fault == EEXIST && fs::is_directory(folder, ignored)) return false;
+  throw failure(fmt::format("{}: cannot be created: {}", folder.string(), std::generic_category().message(fault)));
+}
+
+void keep_to_owner(const fs::path& file) {
+  std::error_code kept;
+  const fs::file_type type = fs::symlink_status(file, kept).type();
+  if (type == fs::file_type::directory) fs::permissions(file, fs::perms(0700), kept);
+  if (type == fs::file_type::regular) fs::permissions(file, fs::perms(0600), kept);
 }
 
 void keep_file(const fs::path& file) {

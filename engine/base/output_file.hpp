@@ -71,8 +71,8 @@ inline constexpr std::string_view temporary_prefix = ".palpa-";
 /// that a reader finds either the old or the new file, even if two processes write it. A killed program may leave a
 /// file with a temporary name beside the place: on file systems without nameless files, and on all others if it is
 /// killed in the microseconds in which the new file replaces another. Symbolic links are followed. A replaced file
-/// keeps its mode, owner and group; a new one has the umask's. Nothing is synchronised: after a power failure, the file
-/// system decides.
+/// keeps its mode, owner and group; a new one has the umask's; one in a personal folder is for its owner only. Nothing
+/// is synchronised: after a power failure, the file system decides.
 ///
 /// A file with several names would lose them, and a mount point cannot be replaced: finish() copies into these. Written
 /// in place are devices, pipes and files that are already open; files that belong to somebody else, or to a group that
@@ -104,6 +104,12 @@ class OutputFile {
 
 /// Writes all of `bytes` as a file, see OutputFile.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
+/// Creates a folder in one that exists, in a personal folder for its owner only. False if it is there. Throws
+/// failure().
+bool make_folder(const std::filesystem::path& folder);
+/// Lets only the owner read and write a file or folder. Without effect on links, on file systems without modes, and on
+/// files of others.
+void keep_to_owner(const std::filesystem::path& file);
 /// Waits until what was written, and its name, are on the disk; for a folder, if its file system can do that.
 void keep_file(const std::filesystem::path& file);
 

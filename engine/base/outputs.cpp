@@ -27,7 +27,8 @@ struct Claim {
   OutputPlace place;
   bool is_folder() const { return output.kind != Kind::file; }
   bool is_replaced() const { return output.kind == Kind::replaced_recording; }
-  bool is_continued() const { return owner == nullptr || output.kind == Kind::continued_folder; }
+  bool is_personal() const { return output.kind == Kind::personal_folder; }
+  bool is_continued() const { return owner == nullptr || is_personal(); }
   bool on_stdout() const { return !is_folder() && place.is_stdout; }
 };
 
@@ -116,6 +117,11 @@ bool is_inside(const OutputPlace& place, const Claim& folder) {
 
 bool covers(const Claim& claim, const OutputPlace& place) {
   return is_at(claim.place, place) || is_inside(place, claim);
+}
+
+bool in_personal_folder(const OutputPlace& place) {
+  return std::ranges::any_of(the_files.claims,
+                             [&](const Claim& claim) { return claim.is_personal() && covers(claim, place); });
 }
 
 /// The link in a declared folder through which that file is elsewhere; empty if there is none.
@@ -262,10 +268,16 @@ void refuse_output_as_input(const fs::path& file, int descriptor) {
   }
 }
 
+bool is_personal(const fs::path& file) {
+  const std::lock_guard lock(the_files.mutex);
+  return in_personal_folder(output_place(file));
+}
+
 OutputPlace writable_place(const fs::path& file) {
   OutputPlace place = output_place(file);
   refuse_unwritable(place);
   const std::lock_guard lock(the_files.mutex);
+  place.is_personal = in_personal_folder(place);
   if (the_files.keepers == 0) return place;
   if (was_read(place)) throw bad_usage(place.name + " is read by this command, name another file");
   const auto is_declared = [&](const Claim& claim) { return covers(claim, place); };

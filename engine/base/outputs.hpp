@@ -32,6 +32,7 @@ struct OutputPlace {
   FileIdentity identity{};                       ///< that of the existing file
   std::pair<FileIdentity, std::string> entry{};  ///< its folder, and its name in that, whether it exists or not
   bool open_already = false;  ///< a descriptor that is already open ("-", /proc/self/fd/3), which is written in place
+  bool is_personal = false;   ///< it lies in a declared personal folder
   bool is_stdout = false;     ///< "-", or any name of what stdout is open on; opened twice, it would overwrite itself
 
   std::filesystem::path folder() const { return path.has_parent_path() ? path.parent_path() : "."; }
@@ -43,6 +44,9 @@ struct OutputPlace {
 /// during writing.)
 OutputPlace writable_place(const std::filesystem::path& file);
 
+/// Whether the file or folder, which need not exist, is or lies in a declared personal folder.
+bool is_personal(const std::filesystem::path& file);
+
 /// failure(): `name: cannot be written:` and the meaning of the system's error code, such as a full disk.
 Error write_failure(const std::string& name, int code);
 
@@ -53,7 +57,7 @@ struct Output {
     folder,              ///< a new or empty one
     recording,           ///< the same; the refusal of another one names --overwrite
     replaced_recording,  ///< a folder whose files will be deleted, so none of them may be an input
-    continued_folder,    ///< its files are read and written
+    personal_folder,     ///< of a participant: its files are read and written, and only their owner may read them
   };
 
   std::string option;  ///< "--json", for messages

@@ -124,7 +124,7 @@ void StreamWriter::Work::run() {
 }
 
 StreamWriter::StreamWriter(OpenFile file, std::size_t room, bool others_write)
-    : name_(file.name()), on_disk_(file.on_disk()), room_(room), work_(std::make_shared<Work>()) {
+    : name_(file.name()), on_disk_(file.on_disk()), room_(room), process_(::getpid()), work_(std::make_shared<Work>()) {
   work_->file = std::move(file);
   work_->may_cut = on_disk_ && !others_write;
   try {
@@ -132,6 +132,11 @@ StreamWriter::StreamWriter(OpenFile file, std::size_t room, bool others_write)
   } catch (const Error& error) {
     throw failure(fmt::format("{}: {}", name_, error.what()));
   }
+}
+
+/// Then another thread may have had the mutex when fork() came.
+bool StreamWriter::is_of_parent() const {
+  return ::getpid() != process_;
 }
 
 StreamWriter::~StreamWriter() {
@@ -142,6 +147,7 @@ StreamWriter::~StreamWriter() {
 }
 
 void StreamWriter::end_in_zeros(std::size_t bytes) {
+  if (is_of_parent()) return;
   const std::lock_guard lock(work_->mutex);
   work_->zeros = bytes;
   work_->last = 0;
@@ -157,11 +163,13 @@ bool StreamWriter::add(std::string_view record, const Patience& patience, std::s
 }
 
 std::uint64_t StreamWriter::waiting() const {
+  if (is_of_parent()) return 0;
   const std::lock_guard lock(work_->mutex);
   return work_->records.size();
 }
 
 bool StreamWriter::wait_for(std::size_t room, const Patience& patience) {
+  if (is_of_parent()) return false;
   constexpr double forever_s = 1e6;
   const double limit_s = stalled_ ? last_patience_s : forever_s;
   const double seconds = patience.seconds ? std::min(*patience.seconds, limit_s) : forever_s;
@@ -177,7 +185,7 @@ bool StreamWriter::wait_for(std::size_t room, const Patience& patience) {
 }
 
 void StreamWriter::close() {
-  if (std::exchange(closed_, true)) return;
+  if (std::exchange(closed_, true) || is_of_parent()) return;
   Work& w = *work_;
   std::unique_lock lock(w.mutex);
   w.closing = true;

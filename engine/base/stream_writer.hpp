@@ -5,7 +5,11 @@
 //
 // A record of at most PIPE_BUF bytes (4096), such as a line, goes out in one write. On a pipe with several writers
 // nothing is mixed into it, and without a reader it is written completely or not at all.
+//
+// A process that fork() makes has no such thread. There, a writer does nothing: what waits is its parent's to write.
 #pragma once
+
+#include <sys/types.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -57,12 +61,14 @@ class StreamWriter {
 
  private:
   struct Work;
+  bool is_of_parent() const;
   double patience() const { return stalled_ ? last_patience_s : on_disk_ ? disk_patience_s : patience_s; }
   bool wait_for(std::size_t room, const Patience& patience);
 
   std::string name_;
   bool on_disk_;
   std::size_t room_;
+  pid_t process_;               ///< that has the thread
   std::shared_ptr<Work> work_;  ///< shared with the thread, which may outlive the writer
   bool stalled_ = false;
   bool closed_ = false;

@@ -57,6 +57,9 @@ void add_options_of_afferents(CLI::App& app, AfferentsCommand& o) {
                "force in mN on the finger at the crest of a single focus on the paper's cube, 3 mm deep [16]");
   level.flag("--linear", o.task.linear, "the array's linear pressures, which are not physical if they are loud");
   line::exclude(app, "--linear", {"--crest"});
+  const line::Group skin(app, "Skin");
+  skin.quantity("--wave-speed", o.task.wave_m_s, Quantity::speed, {1, 100},
+                "how fast waves travel on the skin; measurements are from 3 to 8 m/s");
   const line::Group results(app, "Results");
   results.quantity("--duration", o.task.duration_s, Quantity::time, {0.01, 10}, "how long the touch lasts");
   results.quantity("--bin", o.task.bin_s, Quantity::time, {2e-4, 10}, "the step in which spikes are counted over time");

@@ -39,9 +39,10 @@ AfferentsResult afferents(const AfferentsTask& task, ObservedFinger& finger, con
     throw bad_input(scene, "the finger touches nothing there; give another --penetration");
   out.crest_n = out.factor * touch.crest_n;
   out.bin_s = task.bin_s;
+  out.wave_m_s = task.wave_m_s;
   const auto samples = static_cast<std::size_t>(std::lround(task.duration_s * observer::afferent_rate_hz));
-  const observer::SkinMotion motion =
-      observer::SkinUnderPattern(finger.load(observer::Delays::waves), touch.pattern, samples).motion();
+  const observer::SkinLoad load(out.body, out.sites, observer::Delays::waves, task.wave_m_s);
+  const observer::SkinMotion motion = observer::SkinUnderPattern(load, touch.pattern, samples).motion();
   const std::size_t sites = out.sites.positions.size();
   out.rates_hz.resize(sites);
   out.spikes.resize(static_cast<std::size_t>(std::ceil(task.duration_s / task.bin_s - 1e-9)));
@@ -86,6 +87,7 @@ std::string class_cells(const ByClass& values) {
 std::string to_json(const AfferentsResult& result) {
   JsonWriter json;
   json.begin_object().key("factor").rounded(result.factor, 10).key("crest_n").rounded(result.crest_n, 10);
+  json.key("wave_m_s").rounded(result.wave_m_s, 10);
   json.key("afferents");
   add_classes(json, result.afferents);
   json.key("active");

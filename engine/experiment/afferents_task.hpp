@@ -18,8 +18,9 @@ struct AfferentsTask {
   study::PlanMethod method{.name = "cross-section", .stride = {}};
   double penetration_m = 3e-3;
   observer::FingerPlace place;
-  double crest_n = 16e-3;  ///< sets the level, see Calibration
-  bool linear = false;     ///< the linear pressures instead
+  double crest_n = 16e-3;                      ///< sets the level, see Calibration
+  bool linear = false;                         ///< the linear pressures instead
+  double wave_m_s = observer::usual_wave_m_s;  ///< of surface waves on the skin
   double duration_s = 0.5, bin_s = 5e-3;
 };
 /// Throws bad_usage if values are out of range or do not fit together.
@@ -37,7 +38,7 @@ struct AfferentsResult {
   std::vector<ByClass> spikes;    ///< per bin of time: of all afferents in the fingertip together
   ByClass afferents{};            ///< in the fingertip
   ByClass active{};               ///< share of them that fire at least once
-  double bin_s = 0;
+  double bin_s = 0, wave_m_s = 0;
   std::string class_name(std::size_t kind) const;
 };
 

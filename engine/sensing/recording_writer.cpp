@@ -71,9 +71,8 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& folder, const std:
                                  Existing existing)
     : folder_(folder), cameras_(cameras) {
   if (cameras.empty()) throw bad_usage("a recording needs a camera");
+  made_folder_ = make_folder(folder);
   std::error_code error;
-  made_folder_ = std::filesystem::create_directory(folder, error);
-  if (error) throw failure(fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
   if (std::filesystem::is_empty(folder, error)) {
     begin();
     return;

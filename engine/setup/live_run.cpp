@@ -17,6 +17,7 @@
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/load.hpp"
+#include "setup/null_watch.hpp"
 #include "setup/nulls.hpp"
 #include "setup/tracker.hpp"
 
@@ -50,6 +51,28 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
   if (!options.every_frame) session::go_first();  // before the device starts its threads
   return prepare(options, sources, !options.every_frame, FingerMesh::known);
 }
+
+/// Looks at the nulls of each plan, and passes everything on.
+class WatchedNulls final : public session::RunObserver {
+ public:
+  WatchedNulls(const session::SessionSetting& setting, session::RunObserver& next, bool every_frame)
+      : next_(next), watch_(setting.layout, setting.drive, every_frame) {}
+  void arrived(std::uint64_t sequence) override { next_.arrived(sequence); }
+  void started(const session::SkinFrame& frame) override { next_.started(frame); }
+  void planned(const session::FrameReport& report, const session::Plan& plan) override {
+    watch_.planned(plan);
+    next_.planned(report, plan);
+  }
+  void expired() override { next_.expired(); }
+  void sent(bool sounds, const session::HandOver& counts) override { next_.sent(sounds, counts); }
+  void recording_rest(std::uint64_t frames) override { next_.recording_rest(frames); }
+  void moved(std::uint32_t solid, const Transform& T_world_rest) override { next_.moved(solid, T_world_rest); }
+  void events(std::span<const session::Event> events) override { next_.events(events); }
+
+ private:
+  session::RunObserver& next_;
+  NullWatch watch_;
+};
 
 }  // namespace
 
@@ -203,9 +226,11 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
                                 const std::function<void(const sensing::FrameSet&)>& record,
                                 std::function<void(session::Session&)> before_frame) {
   before_frame_ = std::move(before_frame);
+  std::optional<WatchedNulls> watched;
+  if (session().setting().drive.nulls) watched.emplace(session().setting(), observer, options_.every_frame);
   session::RunOptions options{.frames = options_.frames,
                               .every_frame = options_.every_frame,
-                              .observer = &observer,
+                              .observer = watched ? &*watched : &observer,
                               .events = sink_.get(),
                               .changes = osc_ || options_.reload || before_frame_ ? this : nullptr,
                               .record = record};

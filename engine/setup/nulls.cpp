@@ -98,17 +98,23 @@ NearestPair nearest_pair(const array::Layout& layout, std::span<const array::Slo
   return nearest;
 }
 
-void refuse_foci_within(std::span<const array::SlotFocus> foci, std::span<const array::Null> nulls) {
+std::string name_of(std::span<const array::SlotFocus> foci, std::size_t focus, FocusNames names) {
+  if (names == FocusNames::numbers) return fmt::format("focus {}", focus + 1);
+  const Vec3 place = foci[focus].position * 1e3;
+  return fmt::format("the focus at {:.1f}, {:.1f}, {:.1f} mm", place.x, place.y, place.z);
+}
+
+/// Empty if no focus is within a null.
+std::string within_line(std::span<const array::SlotFocus> foci, std::span<const array::Null> nulls, FocusNames names) {
   for (std::size_t i = 0; i < nulls.size(); ++i) {
     for (std::size_t j = 0; j < foci.size(); ++j) {
       const double apart_m = glm::distance(nulls[i].position, foci[j].position);
       if (nulls[i].radius_m < apart_m) continue;
-      throw bad_usage(
-          fmt::format("focus {} is within null {}, {:.2f} mm from its centre; give a smaller radius "
-                      "or a null farther away",
-                      j + 1, i + 1, apart_m * 1e3));
+      return fmt::format("{} is within null {}, {:.2f} mm from its centre", name_of(foci, j, names), i + 1,
+                         apart_m * 1e3);
     }
   }
+  return {};
 }
 
 /// The pressure of the focus that lost most, relative to the drive without nulls.
@@ -158,19 +164,25 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
   options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, nulls);
 }
 
+Crowding crowding_of(const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                     const array::DriveOptions& options, FocusNames names) {
+  const NearestPair worst = nearest_pair(layout, foci, options);
+  Crowding crowding{.part = worst.part, .within = within_line(foci, options.nulls->nulls(), names)};
+  if (worst.part < array::gs_pat_crowded) return crowding;
+  crowding.line = fmt::format(
+      "null {} is {:.2f} mm from {}, closer than the array resolves there: they share {:.2f} of the sound",
+      worst.null + 1, glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3,
+      name_of(foci, worst.focus, names), worst.part);
+  return crowding;
+}
+
 void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
                  const array::DriveOptions& options) {
   if (!options.nulls) return;
-  const NearestPair worst = nearest_pair(layout, foci, options);
-  if (worst.part < array::gs_pat_same) refuse_foci_within(foci, options.nulls->nulls());
-  if (worst.part < array::gs_pat_crowded) return;
-  const std::string line = fmt::format(
-      "null {} is {:.2f} mm from focus {}, closer than the array resolves there: they share {:.2f} of the "
-      "sound",
-      worst.null + 1, glm::distance(options.nulls->nulls()[worst.null].position, foci[worst.focus].position) * 1e3,
-      worst.focus + 1, worst.part);
-  if (worst.part >= array::gs_pat_same) throw bad_usage(line + "; give a null farther away");
-  log::warning(line);
+  const Crowding crowding = crowding_of(layout, foci, options, FocusNames::numbers);
+  if (crowding.part >= array::gs_pat_same) throw bad_usage(crowding.line + "; give a null farther away");
+  if (!crowding.within.empty()) throw bad_usage(crowding.within + "; give a smaller radius or a null farther away");
+  if (!crowding.line.empty()) log::warning(crowding.line);
 }
 
 std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
@@ -200,7 +212,7 @@ std::string beside_weakest(double depth_db, int decimals) {
 }
 
 NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
-                        std::span<const array::SlotFocus> foci, const array::DriveOptions& options) {
+                        std::span<const array::SlotFocus> foci, const array::DriveOptions& options, FocusNames names) {
   NullReport report;
   if (!options.nulls) return report;
   const acoustics::FociPressure pressure =
@@ -223,15 +235,21 @@ NullReport report_nulls(const array::Layout& layout, std::span<const array::Tran
   std::size_t focus = 0;
   report.kept = kept_of(layout, pressure, foci, options, focus);
   if (report.kept < least_kept) {
-    log::warning(
-        fmt::format("focus {} has only {:.2f} of the pressure that it has without nulls", focus + 1, report.kept));
+    report.quiet = fmt::format("{} has only {:.2f} of the pressure that it has without nulls",
+                               name_of(foci, focus, names), report.kept);
   }
   const SilentPlace& loudest = *std::ranges::max_element(report.places, {}, &SilentPlace::depth_db);
   if (loudest.depth_db > wanted_db) {
-    log::warning(fmt::format("null {} is {}{}", &loudest - report.places.data() + 1,
-                             loudest.depth_db < 0 ? "only " : "", beside_weakest(loudest.depth_db, 1)));
+    report.loud = fmt::format("null {} is {}{}", &loudest - report.places.data() + 1,
+                              loudest.depth_db < 0 ? "only " : "", beside_weakest(loudest.depth_db, 1));
   }
   return report;
+}
+
+void warn_of_nulls(const NullReport& report) {
+  for (const std::string& line : {report.quiet, report.loud}) {
+    if (!line.empty()) log::warning(line);
+  }
 }
 
 }  // namespace palpa::setup

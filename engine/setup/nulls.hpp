@@ -19,6 +19,18 @@ void add_null_option(const line::Group& group, DriveOptionsGroup& options, const
 /// without transducers.
 void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options);
 
+/// How messages name a focus: by its number, or by its place, in mm.
+enum class FocusNames { numbers, places };
+
+/// The null and the focus that the array tells apart least.
+struct Crowding {
+  double part = 0;       ///< of the sound that they share (array/resolution.hpp)
+  std::string line{};    ///< says so; empty if the array resolves them
+  std::string within{};  ///< a line about a focus within a null; empty if there is none
+};
+Crowding crowding_of(const array::Layout& layout, std::span<const array::SlotFocus> foci,
+                     const array::DriveOptions& options, FocusNames names);
+
 /// Before a drive is made: throws bad_usage for a null at a focus and for a focus within one, and warns of one that the
 /// array does not resolve from a focus.
 void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> foci,
@@ -38,13 +50,17 @@ struct SilentPlace {
 /// What nulls made of a drive.
 struct NullReport {
   std::vector<SilentPlace> places;
-  double kept = 1;  ///< pressure of the focus that lost most, relative to the same drive without nulls
+  double kept = 1;      ///< pressure of the focus that lost most, relative to the same drive without nulls
+  std::string quiet{};  ///< a line if that is less than half
+  std::string loud{};   ///< a line if a null is less than 40 dB below the weakest focus
 };
 /// "42 dB below the weakest focus", or above.
 std::string beside_weakest(double depth_db, int decimals);
-/// Without absorption, as in the solvers. Warns if a focus keeps less than half of its pressure, and if a null is less
-/// than 40 dB below the weakest focus.
+/// Without absorption, as in the solvers.
 NullReport report_nulls(const array::Layout& layout, std::span<const array::TransducerDrive> drive,
-                        std::span<const array::SlotFocus> foci, const array::DriveOptions& options);
+                        std::span<const array::SlotFocus> foci, const array::DriveOptions& options,
+                        FocusNames names = FocusNames::numbers);
+/// Warns of what the report doubts.
+void warn_of_nulls(const NullReport& report);
 
 }  // namespace palpa::setup

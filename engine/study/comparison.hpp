@@ -29,8 +29,8 @@ struct Comparison {
 /// Shapes may be in another order: all tables get the order of the first that has the same shapes.
 Comparison compare_tables(std::vector<NamedTable> tables);
 
-/// The tables of one source: a folder of a study, one table per method; a .json of palpa study analyse, the same; the
-/// word "paper"; any other file as counts. Appends what was left out. Throws bad_input as the readers do.
+/// The tables of one source: a folder of a study, one table per method; a .json of palpa study analyse or compare, its
+/// tables; the word "paper"; any other file as counts. Appends what was left out. Throws bad_input as the readers do.
 std::vector<NamedTable> tables_of(const std::string& source, std::vector<std::string>& left_out);
 
 }  // namespace palpa::study

@@ -177,7 +177,7 @@ def in_processes(task, todo, workers, gpus):
 
 def with_dask(task, todo, client):
     """As in_processes. Dask itself tries the cases of a killed worker again."""
-    import distributed
+    import distributed  # type: ignore[import]
     futures = {client.submit(compute, task, settings, pure=False): case for case, settings in todo.items()}
     try:
         for future in distributed.as_completed(futures):

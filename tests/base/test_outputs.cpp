@@ -136,13 +136,36 @@ TEST_F(RegisterTest, AFolderThatIsContinuedIsReadAndWritten) {
   fs::create_directory(path("study"));
   test::write_text(path("study/log"), "old");
   const auto kept = keep_register();
-  const Outputs outputs({{"--out", path("study"), Output::Kind::continued_folder}});
+  const Outputs outputs({{"--out", path("study"), Output::Kind::personal_folder}});
   EXPECT_EQ(read_file(path("study/log"), 100), "old");
   write_file(path("study/log"), "new");
   EXPECT_EQ(read_file(path("study/log"), 100), "new");
   const Outputs json({{"--json", path("study/result")}});
   write_file(path("study/result"), "x");
   EXPECT_EQ(test::thrown_by([&] { read_file(path("study/result"), 100); }).code(), Exit::usage);
+}
+
+TEST_F(RegisterTest, APersonalFolderIsForItsOwnerOnly) {
+  const mode_t before = ::umask(0);
+  fs::create_directory(path("study"));
+  test::write_text(path("study/old"), "old");
+  fs::permissions(path("study"), fs::perms(0700));
+  {
+    const Outputs outputs({{"--out", path("study"), Output::Kind::personal_folder}});
+    EXPECT_TRUE(make_folder(path("study/images")));
+    EXPECT_FALSE(make_folder(path("study/images")));
+    write_file(path("study/images/one"), "x");
+    write_file(path("study/old"), "new");
+    open_output(path("study/stream"));
+    open_to_append(path("study/journal"));
+    EXPECT_EQ(test::open_to_others(path("study")), std::vector<fs::path>());
+    EXPECT_ERROR(make_folder(path("study/old")), Exit::failed, "study/old: cannot be created: File exists");
+    write_file(path("free"), "x");
+    EXPECT_EQ(fs::status(path("free")).permissions(), fs::perms(0666)) << "the umask's";
+  }
+  write_file(path("study/later"), "x");
+  EXPECT_EQ(fs::status(path("study/later")).permissions(), fs::perms(0666));
+  ::umask(before);
 }
 
 TEST_F(RegisterTest, ALinkThatLeadsOutOfAFolderIsNamed) {
@@ -152,7 +175,7 @@ TEST_F(RegisterTest, ALinkThatLeadsOutOfAFolderIsNamed) {
   fs::create_symlink(path("free"), path("study/journal"));
   fs::create_directory_symlink(path("study/own"), path("study/inside"));
   const auto kept = keep_register();
-  const Outputs outputs({{"--out", path("study"), Output::Kind::continued_folder}});
+  const Outputs outputs({{"--out", path("study"), Output::Kind::personal_folder}});
   for (const auto& both : {std::pair("study/beh/log", "study/beh"), {"study/journal", "study/journal"}}) {
     EXPECT_ERROR(write_file(path(both.first), "x"), Exit::failed,
                  path(both.first) + ": is not written, because " + path(both.second) + " is a link that leads out");

@@ -47,6 +47,30 @@ std::string lines_of(char letter, int count) {
   return text;
 }
 
+TEST(StreamWriter, AForkedProcessDoesNotWaitForAThreadThatItDoesNotHave) {
+  const std::filesystem::path file = test::scratch_folder("stream_writer_fork") / "file";
+  {
+    StreamWriter writer = writer_of(file);
+    EXPECT_TRUE(writer.add("a\n"));
+    EXPECT_TRUE(writer.flush());
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      ::alarm(5);  // it would wait for the disk for ten seconds
+      const bool idle = !writer.add("lost\n", {.seconds = 20}) && !writer.flush() && writer.waiting() == 0;
+      writer.close();
+      ::_exit(idle ? 7 : 8);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 7);
+    EXPECT_TRUE(writer.add("b\n"));
+    EXPECT_TRUE(writer.flush());
+  }
+  EXPECT_EQ(test::read_text(file), "a\nb\n");
+}
+
 TEST(StreamWriter, LinesOfTwoOnOnePipeStayWhole) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);

@@ -72,6 +72,8 @@ TEST_F(CliObserver, TheLevelOfAfferentsIsThatOfASingleFocusOnTheCube) {
     return json::parse(result.out);
   };
   const json usual = run({}), louder = run({"--crest", "40"}), linear = run({"--linear"});
+  EXPECT_EQ(usual["wave_m_s"], 8) << "TouchSim's";
+  EXPECT_EQ(run({"--wave-speed", "3m/s"})["wave_m_s"], 3);
   EXPECT_NEAR(usual["crest_n"].get<double>(), 16e-3, 1e-9);
   EXPECT_NEAR(louder["crest_n"].get<double>(), 40e-3, 1e-9);
   EXPECT_EQ(linear["factor"], 1);

@@ -264,6 +264,27 @@ TEST(CliNulls, OfFramesLieInTheWorld) {
   }
 }
 
+// Foci are known only while it runs: it warns of them as `palpa drive` does.
+TEST(CliNulls, OfARunAreDoubtedAsThoseOfADrive) {
+  const auto warnings = [&](const std::string& null) {
+    const Result result = palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}),
+                                      "--every-frame", "--backend", "cpu", "--layout", "openmpd", "--null", null});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(warnings("30mm,10mm,0").find("--null"), std::string::npos);
+  const auto comes_once = [](const std::string& err, const std::string& told) {
+    const std::size_t first = err.find(told);
+    EXPECT_NE(first, std::string::npos) << err;
+    EXPECT_EQ(err.find(told, first + 1), std::string::npos) << err;
+  };
+  comes_once(warnings("-15mm,0,0"), "closer than the array resolves there: they share");  // within the ring
+  const std::string at_a_focus = warnings("-11mm,-1mm,-3.5mm");
+  comes_once(at_a_focus, "palpa: warning: --null: null 1 is ");
+  comes_once(at_a_focus, "of the pressure that it has without nulls; this warning comes once");
+  comes_once(warnings("-15mm,0,0,5mm"), "is within null 1, ");
+}
+
 TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
   geometry::Haptics asks;
   asks.pressure_pa = 800;

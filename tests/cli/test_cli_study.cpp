@@ -82,6 +82,10 @@ TEST_F(CliStudy, ComparesAnythingWithAnything) {
   write_text(folder_ / "single.csv", single);
   write_ten(folder_ / "mine");
   ASSERT_EQ(palpa_here({"study", "analyse", path("mine"), "--json", path("mine.json"), "--quiet"}).exit_code, 0);
+  ASSERT_EQ(palpa_here({"study", "analyse", path("single.csv"), "--json", path("single.json"), "--quiet"}).exit_code,
+            0);
+  const json counts = report_of({"study", "compare", path("single.csv"), path("single.json")});
+  EXPECT_EQ(counts["tables"][1]["counts"], counts["tables"][0]["counts"]);
   const json result = report_of({"study", "compare", "paper", path("single.csv"), path("mine"), path("mine.json")});
   ASSERT_EQ(result["tables"].size(), 7u);
   EXPECT_EQ(result["tables"][0]["accuracy"], 0.39);
@@ -249,7 +253,13 @@ TEST_F(CliStudy, RehearsesAndWithdraws) {
                                          {{plan, "--out", out}, "--participant is missing"},
                                          {{plan, "--participant", "Anna", "--out", out}, "--participant"}});
 
+  EXPECT_EQ(open_to_others(out + "/sub-01"), std::vector<std::filesystem::path>());
+  std::filesystem::create_hard_link(out + "/sub-01/sub-01_journal.jsonl", folder_ / "copy");
   const Result withdrawn = palpa_here({"study", "withdraw", "1", "--out", out});
+  EXPECT_NE(
+      withdrawn.err.find("sub-01_journal.jsonl remains under 1 other name elsewhere (hard links), which find -inum"),
+      std::string::npos)
+      << withdrawn.err;
   EXPECT_EQ(withdrawn.exit_code, 0) << withdrawn.err;
   EXPECT_NE(withdrawn.out.find("participant 1 has withdrawn"), std::string::npos);
   EXPECT_NE(palpa_here({"study", "withdraw", "1", "--out", out}).out.find("had withdrawn before"), std::string::npos);

@@ -49,7 +49,7 @@ SkinMotion under_punch(std::span<const double> indentation_mm, double radius_mm,
   const double stress =
       force_of_punch(radius_mm) * stress_of_punch(radius_mm, depth_mm(AfferentClass::sa1), distance_mm);
   const double reach = reach_of_punch(radius_mm, distance_mm);
-  const double wave_s = std::max(0.0, distance_mm - radius_mm) / wave_speed_mm_s;
+  const double wave_s = std::max(0.0, distance_mm - radius_mm) / (1e3 * usual_wave_m_s);
   const auto delay = static_cast<std::size_t>(std::lround(wave_s * afferent_rate_hz));
   for (std::size_t n = 0; n < samples; ++n) {
     motion.stress.at(0, n) = stress * indentation_mm[n];

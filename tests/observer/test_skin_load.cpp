@@ -81,6 +81,26 @@ TEST(SkinLoad, StressAndDeflectionOfADisc) {
   }
 }
 
+TEST(SkinLoad, WavesArriveAtTheirSpeed) {
+  const Disc disc;
+  std::vector<float> map(disc.sites.faces.size(), 0);
+  map.at(static_cast<std::size_t>(std::ranges::find(disc.sites.faces, 0U) - disc.sites.faces.begin())) = 1;
+  const double side_mm = 0.5, radius_mm = side_mm * std::sqrt(std::sqrt(3) / (4 * pi));
+  for (const double speed_m_s : {3.0, 4.0, 8.0}) {
+    const SkinLoad load(disc.mesh, disc.sites, Delays::waves, speed_m_s);
+    const std::vector<double> w = load.deflections(map);
+    for (std::size_t s = 0; s < load.sites(); ++s) {
+      const auto begin = w.begin() + static_cast<std::ptrdiff_t>(s * load.delays());
+      const auto first = std::find_if(begin, begin + static_cast<std::ptrdiff_t>(load.delays()),
+                                      [](double part) { return part != 0; });
+      const double r_mm = std::hypot(disc.sites.positions[s].x, disc.sites.positions[s].z) * 1e3;
+      const double samples = std::max(0.0, r_mm - radius_mm) / speed_m_s * 5;
+      EXPECT_NEAR(static_cast<double>(first - begin), samples, 0.5 + 1e-6) << r_mm << " mm, " << speed_m_s << " m/s";
+    }
+  }
+  EXPECT_EQ(SkinLoad(disc.mesh, disc.sites).delays(), SkinLoad(disc.mesh, disc.sites, Delays::waves, 8).delays());
+}
+
 TEST(SkinLoad, SitesShareTheSkin) {
   const Disc disc;
   double area = 0;

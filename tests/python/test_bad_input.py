@@ -158,9 +158,15 @@ def test_options_of_a_touch(cube, finger, options, says):
 
 def test_depth_images(cube):
     camera = "assets/depth/camera.toml"
-    right = np.zeros((480, 848), np.uint16)
-    for bad, says in [(right.astype(np.int32), "uint16"), (right[:, 1:], "shape"), (right[None], "list"), (right.astype(float), "uint16")]:
-        message(ValueError, lambda: cube.touch(depth=bad, camera=camera, backend="cpu"))
+    right = np.zeros((240, 424), np.uint16)
+    session = palpa.Session(cube, depth=True, camera=camera, backend="cpu")
+    for bad, says in [(right.astype(np.int32), "the type int32"), (right[:, 1:], "the shape (240, 423)"), (right.astype(float), "the type float64"),
+                      (np.zeros((240, 424, 3), np.uint16), "the shape (240, 424, 3)"), (np.zeros((240, 424, 1, 1), np.uint16), "the shape (240, 424, 1, 1)"),
+                      (right[0], "the shape (424,)"), (np.array(3, np.uint16), "the shape ()"), (right[:, :, None] > 1, "the type bool")]:
+        for one in (bad, [bad]):
+            assert says in message(ValueError, lambda: cube.touch(depth=one, camera=camera, backend="cpu"))
+            assert says in message(ValueError, lambda: session.touch(depth=one))
+    assert "one for each camera" in message(ValueError, lambda: session.touch(depth=np.zeros((2, 240, 424), np.uint16)))
     assert "no skin" in message(palpa.BadUsage, lambda: cube.touch(backend="cpu"))
     assert "exclude" in message(palpa.BadUsage, lambda: cube.touch(np.zeros((1, 3)), depth=right, camera=camera, backend="cpu"))
 
@@ -229,3 +235,16 @@ def test_a_least_range_that_leaves_nothing_is_told(cube):
 def test_a_cameras_fault_has_no_line():
     with pytest.raises(palpa.BadInput, match="^Camera: width is 0, expected 1 to 16384$"):
         palpa.Camera(0, 480, [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]])
+
+
+def test_flags_of_numpy(cube, finger, openmpd):
+    """A comparison of arrays gives np.bool_."""
+    drive, where = openmpd.drive([0, 0, 0.15], backend="cpu"), [[0, 0, 0.15]]
+    for flag in (False, True):
+        same = openmpd.field(drive, where, no_absorption=np.array([flag])[0], backend="cpu").pressure
+        assert np.array_equal(same, openmpd.field(drive, where, no_absorption=flag, backend="cpu").pressure)
+    assert (cube.touch(finger, penetration=3e-3, layout="openmpd", spectrum=np.True_, backend="cpu").fingers[0].spectrum is None) is False
+    for number in (1, 0.0, "yes", np.array([True, False])):
+        assert "True or False" in message(palpa.BadUsage, lambda: openmpd.field(drive, where, no_absorption=number, backend="cpu"))
+    for options in ({"foci": np.True_}, {"delta": np.True_}, {"penetration": np.True_}):
+        message(palpa.BadUsage, lambda: cube.touch(finger, backend="cpu", **options))

@@ -61,6 +61,13 @@ def test_a_camera(cube):
         assert same_but_times(cube.touch(depth=image, camera=one, backend="cpu").json()) == same_but_times(from_file.json())
     session = palpa.Session(cube, depth=True, camera=camera, backend="cpu")
     assert len(session.touch(depth=[np.zeros(camera.shape, np.uint16)]).contacts) == 0 < len(from_file.contacts)
+    # As other programs give them: with an axis of one channel, one array instead of a list, a stack.
+    pixels = np.zeros(camera.shape, np.uint16)
+    pixels[100:140, 180:240] = 3000
+    seen = cube.touch(depth=pixels, camera=camera, backend="cpu").contacts.depths
+    for same in (pixels[:, :, None], [pixels[:, :, None]], pixels[None]):
+        assert np.array_equal(cube.touch(depth=same, camera=camera, backend="cpu").contacts.depths, seen)
+        assert np.array_equal(session.touch(depth=same).contacts.depths, session.touch(depth=[pixels]).contacts.depths)
     for bad in ({"width": 0}, {"matrix": np.eye(4)}, {"matrix": [[500, 1, 3], [0, 500, 3], [0, 0, 1]]}, {"depth_unit": 2.0}, {"distortion": [-5.0]}):
         with pytest.raises(palpa.Error):
             palpa.Camera(**({"width": 848, "height": 480, "matrix": [[600, 0, 424], [0, 600, 240], [0, 0, 1]]} | bad))

@@ -136,6 +136,29 @@ print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
     assert (done.returncode, done.stdout, done.stderr) == (0, "7\n", "")
 
 
+@pytest.mark.parametrize("before", ["pass", "session.stop(); session.wait()"])
+def test_a_fork_does_not_wait_for_the_writers_of_a_session(before, tmp_path):
+    """Those of its lines and its recording stay in the parent. They would have ten seconds for a disk."""
+    code = f"""
+import os, signal, time, warnings, palpa
+warnings.simplefilter("ignore", DeprecationWarning)
+frames = []
+session = palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", link="record:{tmp_path}/drives.bin", backend="cpu")
+session.start(on_frame=frames.append)
+while not frames: time.sleep(0.01)
+{before}
+child = os.fork()
+if child == 0:
+    signal.alarm(5)
+    raise SystemExit(7)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+session.stop()
+"""
+    with open(tmp_path / "errors", "w", encoding="utf-8") as errors:
+        done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, stderr=errors, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (0, "7\n"), (tmp_path / "errors").read_text()
+
+
 @pytest.mark.slow
 def test_a_fork_while_a_session_runs():
     """The child has no thread of the session. Whatever it does with its objects, the parent's run goes on."""

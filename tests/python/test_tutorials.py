@@ -33,13 +33,31 @@ def test_it_runs(path, tmp_path):
         assert figure.stat().st_size > 5000
 
 
-def test_the_pages_lines_run(tmp_path):
-    """The Python of the first steps."""
+def pieces_of_the_page():
     text = (ROOT / "docs/python/getting-started.md").read_text(encoding="utf-8")
     pieces = [piece.split("```")[0] for piece in text.split("```python\n")[1:]]
     assert pieces
-    for piece in pieces:
+    return pieces
+
+
+def test_the_pages_lines_run(tmp_path):
+    """The Python of the first steps."""
+    for piece in pieces_of_the_page():
         code = "import palpa\n" + piece.replace('.ply"), penetration=3e-3)', '.ply"), penetration=3e-3, backend="cpu")').replace(
             "foci[0])", 'foci[0], backend="cpu")')
         done = python(code)
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.exhaustive
+def test_mypy_passes(tmp_path):
+    """A user's type checker has nothing against code as in the page and the tutorials."""
+    pytest.importorskip("mypy")
+    files = list(TUTORIALS)
+    for number, piece in enumerate(pieces_of_the_page()):
+        files.append(tmp_path / f"piece_{number}.py")
+        files[-1].write_text(piece, encoding="utf-8")
+    done = subprocess.run([sys.executable, "-m", "mypy", "--ignore-missing-imports", "--cache-dir", str(tmp_path), *map(str, files)], cwd=tmp_path,
+                          capture_output=True, text=True, check=False,
+                          env=os.environ | {"MYPYPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1])})
+    assert done.returncode == 0, done.stdout

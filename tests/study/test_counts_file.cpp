@@ -26,6 +26,13 @@ TEST(CountsFile, RowsMayBeInAnyOrderAndOfASpreadsheet) {
   EXPECT_EQ(parse_counts("x\ta\tb\na\t1\t0\nb\t0\t1\n", "a.tsv").table.correct(), 2u);
 }
 
+TEST(CountsFile, AQuotedNameMayHaveASeparator) {
+  const Confusion table =
+      parse_counts("x,\"cube, small\",prism\n \"cube, small\" ,1,\"2\"\nprism,3,4\n", "a.csv").table;
+  EXPECT_EQ(table.shapes, (std::vector<std::string>{"cube, small", "prism"}));
+  EXPECT_EQ(table.counts, (std::vector<std::uint64_t>{1, 2, 3, 4}));
+}
+
 TEST(CountsFile, AFaultIsOneLineWithItsPlace) {
   const std::vector<std::pair<std::string, std::string>> faults{
       {"x,a,b\na,1,-2\nb,0,1\n", "a.csv: line 2: '-2' is not a count: give whole numbers of answers"},

@@ -54,6 +54,38 @@ TEST(EventsFile, ColumnsMayBeInAnyOrderAndThereMayBeMore) {
   EXPECT_TRUE(file.faults.empty());
 }
 
+TEST(EventsFile, CellsMayBeInQuotesAndColumnsInOtherLetters) {
+  const std::string text =
+      "Onset \t\"Duration\"\t\"trial_type\"\tMETHOD\tshape\tanswer\t response_time\tStatus\n"
+      "\"1.5\"\t10\t\"trial\"\tm\t\"6\"\" cube\"\t\"a\ttab\"\tn/a\t\"answered\"\n";
+  const EventsFile file = parse_events(text, "log");
+  ASSERT_EQ(file.rows.size(), 1u);
+  EXPECT_EQ(file.rows[0].onset_s, 1.5);
+  EXPECT_EQ(file.rows[0].shape, "6\" cube");
+  EXPECT_EQ(file.rows[0].answer, "a\ttab");
+  EXPECT_TRUE(file.faults.empty());
+  // With both spellings, the exact one counts.
+  EXPECT_EQ(parse_events("ONSET\t" + with_row("").substr(0, std::string(events_header).size()) +
+                             "9\t1\t10\ttrial\tm\tcube\tcube\t1.5\tanswered\n",
+                         "log")
+                .rows.at(0)
+                .onset_s,
+            1);
+  EXPECT_REFUSED(parse_events("Onset\tONSET\tduration\n", "a.tsv"), "the column onset is there twice");
+  EXPECT_REFUSED(parse_events("Onset\tTime\tduration\n", "a.tsv"),
+                 "the column trial_type is missing: the line has Onset, Time, duration; the columns are onset");
+}
+
+TEST(EventsFile, AQuotedStudyOfOthersIsRead) {
+  PALPA_SHARED_OR_SKIP(folder, "found/7_study_quoted");
+  for (const char* log :
+       {"sub-1/beh/sub-1_task-shapes_run-1_events.tsv", "sub-2/beh/sub-2_task-shapes_run-1_events.tsv"}) {
+    const EventsFile file = read_events(folder / log);
+    EXPECT_EQ(file.rows.size(), 16u) << log;
+    EXPECT_TRUE(file.faults.empty()) << log;
+  }
+}
+
 TEST(EventsFile, AFaultyRowIsLeftOutWithItsLine) {
   const std::vector<std::pair<std::string, std::string>> faults{
       {"2\t10\ttrial\tm\tcube\tcube\t1.5", "7 cells where the first line has 8"},
@@ -95,7 +127,8 @@ TEST(EventsFile, ALineThatIsCutIsLeftOut) {
 TEST(EventsFile, OtherTablesAreRefused) {
   EXPECT_REFUSED(parse_events("", "a.tsv"), "a.tsv: is empty");
   EXPECT_REFUSED(parse_events("onset,duration,trial_type\n", "a.tsv"),
-                 "line 1: the column onset is missing; the columns are onset, duration");
+                 "line 1: the column onset is missing: the line has onset,duration,trial_type; the columns are onset, "
+                 "duration");
   std::string text = events_header;
   EXPECT_REFUSED(parse_events(text.replace(text.find("answer"), 6, "reply"), "a.tsv"), "the column answer is missing");
   EXPECT_REFUSED(parse_events("shape\t" + std::string(events_header), "a.tsv"), "the column shape is there twice");

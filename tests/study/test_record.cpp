@@ -1,5 +1,6 @@
 // The files of sittings: journals, logs, withdrawals.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -270,6 +271,23 @@ TEST_F(RecordTest, TriesTheLinkBeforeItWritesOrRemovesALineThatWasCutAndNotAfter
   EXPECT_ERROR(Record(plan_, 1, folder_, true, refuse).refuse_finished(), Exit::usage, "participant 1 has finished");
 }
 
+TEST_F(RecordTest, ACompleteJournalWithoutItsLastLineEnds) {
+  // Killed before the line was written, while it was, and before its end.
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{5}, std::string::npos}) {
+    fs::remove_all(folder_ / "sub-01");
+    sit(1);
+    const std::string text = read_text(journal_), log = read_text(log_);
+    const std::size_t last = text.rfind('\n', text.size() - 2) + 1;
+    EXPECT_CONTAINS(text.substr(last), "finish");
+    test::write_text(journal_, text.substr(0, last + std::min(bytes, text.size() - 1 - last)));
+    const auto refuse = [] { throw failure("no link"); };
+    EXPECT_FALSE(Record(plan_, 1, folder_, true, refuse).agenda().current()) << "nothing is left to sound";
+    sit(1);
+    EXPECT_CONTAINS(fault_of(1), "participant 1 has finished");
+    EXPECT_EQ(read_text(log_), log);
+  }
+}
+
 TEST_F(RecordTest, AnEmptyJournalBeginsIfThereIsNoOtherFile) {
   fs::create_directories(folder_ / "sub-01");
   test::write_text(file("kept.txt"), "");
@@ -318,6 +336,37 @@ TEST_F(RecordTest, AWithdrawalWaitsForTheEndOfASittingAndFollowsNoLinks) {
   EXPECT_EQ(remaining, (std::vector<fs::path>{fs::canonical(elsewhere), fs::canonical(elsewhere / "kept.txt")}));
   EXPECT_EQ(read_text(elsewhere / "kept.txt"), "kept");
   EXPECT_FALSE(fs::exists(fs::symlink_status(file("link"))));
+}
+
+TEST_F(RecordTest, OnlyItsOwnerReadsAParticipantsFiles) {
+  const mode_t before = ::umask(0);
+  sit(1, 10);
+  EXPECT_EQ(test::open_to_others(folder_ / "sub-01"), std::vector<fs::path>());
+  EXPECT_TRUE(fs::exists(log_));
+  // As an older palpa left them, or a copy.
+  for (const fs::path& path : fs::recursive_directory_iterator(folder_))
+    fs::permissions(path, fs::perms(fs::is_directory(path) ? 0755 : 0644));
+  sit(1);
+  EXPECT_EQ(test::open_to_others(folder_ / "sub-01"), std::vector<fs::path>());
+  withdraw(folder_, 1);
+  EXPECT_EQ(test::open_to_others(folder_ / "sub-01"), std::vector<fs::path>()) << "the tombstone";
+  ::umask(before);
+}
+
+TEST_F(RecordTest, AWithdrawalNamesHardLinks) {
+  const fs::path elsewhere = test::scratch_folder("record-elsewhere");
+  sit(1);
+  fs::create_hard_link(log_, elsewhere / "copy.tsv");
+  fs::create_hard_link(log_, elsewhere / "again.tsv");
+  fs::create_hard_link(journal_, file("beh") / "own.jsonl");
+  const Withdrawal withdrawal = withdraw(folder_, 1);
+  ASSERT_EQ(withdrawal.other_names.size(), 1u) << "both names of the journal were in the folder";
+  EXPECT_EQ(withdrawal.other_names[0].file, log_);
+  EXPECT_EQ(withdrawal.other_names[0].names, 2u);
+  struct stat status {};
+  ASSERT_EQ(::stat((elsewhere / "copy.tsv").c_str(), &status), 0);
+  EXPECT_EQ(withdrawal.other_names[0].inode, status.st_ino);
+  EXPECT_TRUE(withdraw(folder_, 1).other_names.empty());
 }
 
 TEST_F(RecordTest, AJournalThatIsGoneIsNotWrittenOn) {

@@ -85,6 +85,31 @@ TEST(Reports, JsonHasTheNumbersAndIsReadBack) {
   EXPECT_EQ(left_out, warned.study.left_out);
 }
 
+TEST(Reports, JsonOfTablesIsReadBack) {
+  const auto file = test::scratch_folder("results") / "a.json";
+  Confusion other({"cone", "cube"});
+  other.at(0, 0) = other.at(1, 0) = 5;
+  const std::vector<NamedTable> both{{"counts.csv", paper_cross_section()}, {"other.csv", other}};
+  for (const std::size_t count : {std::size_t{1}, std::size_t{2}}) {
+    const std::string text = comparison_json(
+        compare_tables({both.begin(), both.begin() + static_cast<std::ptrdiff_t>(count)}), {"a warning"});
+    EXPECT_CONTAINS(text, count == 1 ? "\"kind\": \"palpa study analyse\"" : "\"kind\": \"palpa study compare\"");
+    test::write_text(file, text);
+    std::vector<std::string> left_out;
+    const std::vector<NamedTable> tables = tables_of(file.string(), left_out);
+    ASSERT_EQ(tables.size(), count);
+    for (std::size_t i = 0; i < count; ++i) {
+      EXPECT_EQ(tables[i].name, file.string() + ": " + both[i].name);
+      EXPECT_EQ(tables[i].table, both[i].table);
+    }
+    EXPECT_EQ(left_out, std::vector<std::string>{"a warning"});
+  }
+  // As palpa once wrote it.
+  test::write_text(file, R"({"tables": [{"name": "m", "shapes": ["a", "b"], "counts": [[1, 2], [3, 4]]}]})");
+  std::vector<std::string> left_out;
+  EXPECT_EQ(read_results(file, left_out).at(0).second.counts, (std::vector<std::uint64_t>{1, 2, 3, 4}));
+}
+
 TEST(Reports, OtherJsonIsRefused) {
   const auto file = test::scratch_folder("results") / "a.json";
   const auto refused = [&](const std::string& text, const std::string& told) {
@@ -93,7 +118,7 @@ TEST(Reports, OtherJsonIsRefused) {
     EXPECT_REFUSED(read_results(file, left_out), told);
   };
   const std::string begin = R"({"kind": "palpa study analyse", "shapes": ["a", "b"], "methods": )";
-  refused("{}", "\"kind\" is not that of such a file: a JSON file of palpa study analyse is needed");
+  refused("{}", "\"kind\" is not that of such a file: a JSON file of palpa study analyse or compare is needed");
   refused("not json", "\"kind\"");
   refused(R"({"kind": "palpa study analyse"})", "\"shapes\" is not a list");
   refused(R"({"kind": "palpa study analyse", "shapes": ["a", "a"], "methods": []})", "a name twice");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -279,6 +280,29 @@ TEST_F(SittingTest, ContinuesWithSetUpButWithoutAskingForConsentAgain) {
   EXPECT_EQ(one.screen(), Screen::setup);
   one.act(Act::go_on, 0);
   EXPECT_EQ(one.screen(), Screen::ready);
+}
+
+TEST_F(SittingTest, EndsAtOnceIfItWasKilledBetweenItsLastAnswerAndItsEnd) {
+  for (const bool accepts : {true, false}) {
+    written_.clear();
+    {
+      Sitting one = sitting();
+      one.act(Act::go_on, now_);
+      one.act(accepts ? Act::accept : Act::decline, now_);
+      const ScriptedParticipant participant(1, 1, 0);
+      while (one.screen() != Screen::end)
+        participant.go_on(plan_, one, now_);
+    }
+    ASSERT_EQ(written_.back().kind, EntryKind::finish);
+    std::vector<Entry> before = std::exchange(written_, {});
+    before.pop_back();
+    const Sitting one = sitting(before);
+    EXPECT_EQ(one.screen(), Screen::end);
+    EXPECT_FALSE(one.agenda().current());
+    ASSERT_EQ(written_.size(), 2u);
+    EXPECT_EQ(written_[0].kind, EntryKind::start);
+    EXPECT_EQ(written_[1].kind, EntryKind::finish);
+  }
 }
 
 }  // namespace

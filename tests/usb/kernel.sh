@@ -81,7 +81,7 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-deb >/dev/null; then
 fi
 mkdir -p "$all"
 # Package lists may be missing or out of date.
-if ! download && ! { ((EUID == 0)) && apt-get -q update >&2 && download; }; then
+if ! download && ! { ((EUID == 0)) && tests/house/wait_for_apt.sh apt-get -q update >&2 && download; }; then
   kept=$(find "$all" -mindepth 2 -maxdepth 2 -name udevadm -printf '%h\n' | sort -V | tail -n 1)
   [[ -n $kept ]] || die "apt-get cannot fetch the kernel (package linux-image-amd64): try apt-get update; is there a network?"
   package=${kept##*/}

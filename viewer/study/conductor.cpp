@@ -73,6 +73,7 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
         try_study_link(plan, run, kinds);
       }) {
   record_.refuse_finished();
+  if (!masking_) masking_.emplace("off");  // no step is left
   sitting_ = std::make_unique<study::Sitting>(
       plan, record_.agenda(),
       study::Entry{.text = study::utc_now(),
@@ -82,7 +83,7 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
                    .backend = std::string(word_of(setup::backend_words, setup::used_backend(run.common).backend))},
       [this](const study::Entry& entry) { write(entry); });
   run_number_ = sitting_->agenda().starts();
-  sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
+  if (!over()) sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
   const std::filesystem::path scene = record_.folder().file(run_number_, "_shapes.glb");
   geometry::write_glb(scene, shapes.meshes);
   finger_.emplace(record_.folder(), run_number_);

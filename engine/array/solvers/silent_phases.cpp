@@ -172,6 +172,20 @@ State state_of(const SilentGoal& goal, const PhasedSounds& sounds) {
   return state;
 }
 
+/// The sum of t.
+double wanted_of(const SilentGoal& goal) {
+  double wanted = 0;
+  for (const double target : goal.targets)
+    wanted += target;
+  return wanted;
+}
+
+/// |p| / (t L) of a focus, 0 without a target.
+double share_of(const SilentGoal& goal, const PhasedSounds& sounds, double level, std::size_t focus) {
+  const double wanted = goal.targets[focus] * level;
+  return wanted > 0 ? magnitude(sounds.sounds[focus]) / wanted : 0;
+}
+
 /// A row of J: along Re w + across Im w of one row of waves.
 struct Slope {
   std::size_t row;
@@ -211,8 +225,44 @@ double product_of(std::span<const double> products, const Slope& a, const Slope&
          upper.across * (lower.along * p[2] + lower.across * p[3]);
 }
 
+/// Lets L follow the foci: J becomes J - s w^T J for them, with s_j = |p_j| / (t_j L) and w_k = t_k / sum t, because dL
+/// is a part of what each changes by.
+void free_level(const SilentGoal& goal, const State& state, SilentScratch& scratch) {
+  const std::size_t foci = goal.targets.size(), equations = scratch.rest.size();
+  const double wanted = wanted_of(goal);
+  std::vector<double>& mean = scratch.mean;
+  const auto follow = [&](std::size_t step, std::size_t across) {
+    mean.assign(equations, 0);
+    for (std::size_t j = 0; j < foci; ++j) {
+      for (std::size_t b = 0; b < equations; ++b)
+        mean[b] += goal.targets[j] / wanted * scratch.normal[j * step + b * across];
+    }
+    for (std::size_t j = 0; j < foci; ++j) {
+      const double share = share_of(goal, scratch.now, state.level, j);
+      for (std::size_t b = 0; b < equations; ++b)
+        scratch.normal[j * step + b * across] -= share * mean[b];
+    }
+  };
+  follow(equations, 1);
+  follow(1, equations);
+}
+
+/// From y of the changed J to that of J.
+void give_back(const SilentGoal& goal, const State& state, SilentScratch& scratch) {
+  const std::size_t foci = goal.targets.size();
+  double sum = 0;
+  for (std::size_t j = 0; j < foci; ++j)
+    sum += share_of(goal, scratch.now, state.level, j) * scratch.rest[j];
+  const double wanted = wanted_of(goal);
+  for (std::size_t j = 0; j < foci; ++j)
+    scratch.rest[j] -= goal.targets[j] / wanted * sum;
+}
+
+enum class Level { free, kept };
+
 /// Makes the next step of `scratch.now` into `scratch.tried`.
-State try_step(const SilentGoal& goal, const State& state, double push, double damping, SilentScratch& scratch) {
+State try_step(const SilentGoal& goal, const State& state, Level level, double push, double damping,
+               SilentScratch& scratch) {
   const std::size_t foci = goal.targets.size(), equations = foci + 2 * goal.null_rows;
   scratch.rest.resize(equations);
   scratch.normal.resize(equations * equations);
@@ -224,7 +274,9 @@ State try_step(const SilentGoal& goal, const State& state, double push, double d
           product_of(scratch.products, slope, slope_of(goal, scratch.now, state.level, b));
     }
   }
+  if (level == Level::free) free_level(goal, state, scratch);
   solve_damped(scratch.normal, damping, false, scratch.rest);
+  if (level == Level::free) give_back(goal, state, scratch);
   scratch.along.assign(foci + goal.null_rows, 0);
   scratch.across.assign(foci + goal.null_rows, 0);
   for (std::size_t a = 0; a < equations; ++a) {
@@ -237,7 +289,7 @@ State try_step(const SilentGoal& goal, const State& state, double push, double d
 }
 
 /// Steps until the goal is reached, or no step helps. Returns how many were tried.
-std::uint32_t settle(const SilentGoal& goal, std::uint32_t tries, State& state, SilentScratch& scratch) {
+std::uint32_t settle(const SilentGoal& goal, Level level, std::uint32_t tries, State& state, SilentScratch& scratch) {
   double damping = first_damping;
   std::uint32_t made = 0;
   bool known = false, new_ones = false;  // products, and whether they are those of the present waves
@@ -246,7 +298,7 @@ std::uint32_t settle(const SilentGoal& goal, std::uint32_t tries, State& state, 
       multiply_rows(scratch);
       known = new_ones = true;
     }
-    const State then = try_step(goal, state, 0, damping, scratch);
+    const State then = try_step(goal, state, level, 0, damping, scratch);
     ++made;
     if (then.level > 0 && then.cost < state.cost) {
       const bool stalls = made > few_tries && then.cost > 0.5 * state.cost && then.miss <= silent_miss;
@@ -292,15 +344,17 @@ Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentS
   }
   make_pass(now, {}, now);
   State state = state_of(goal, now);
-  Silenced result{.depth = 0, .miss = 0, .tries = settle(goal, silent_tries, state, scratch)};
-  if (result.tries > silent_few && rows <= silent_raised_rows) {
+  const double before = state.level;
+  Silenced result{.depth = 0, .miss = 0, .tries = settle(goal, Level::free, silent_tries, state, scratch)};
+  const bool has_lost = result.tries > silent_few || state.level < silent_keeps * before;
+  if (has_lost && foci > 1 && rows <= silent_raised_rows) {
     double push = silent_push;
     for (std::uint32_t raise = 0; raise < silent_raises && push > silent_push / 4; ++raise) {
       scratch.kept = scratch.now;
       multiply_rows(scratch);
-      State then = try_step(goal, state, push, raise_damping, scratch);
+      State then = try_step(goal, state, Level::kept, push, raise_damping, scratch);
       std::swap(scratch.now, scratch.tried);
-      result.tries += 1 + settle(goal, silent_settles, then, scratch);
+      result.tries += 1 + settle(goal, Level::kept, silent_settles, then, scratch);
       if (then.weakest > raise_worth * state.weakest && then.depth < std::max(raise_depth, state.depth)) {
         state = then;
       } else {
@@ -308,7 +362,7 @@ Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentS
         push /= 3;
       }
     }
-    result.tries += settle(goal, silent_tries, state, scratch);
+    result.tries += settle(goal, Level::kept, silent_tries, state, scratch);
   }
   for (std::size_t n = 0; n < drive.size(); ++n)
     drive[n] = {scratch.now.re[n], scratch.now.im[n]};

@@ -4,9 +4,13 @@
 //   x_n   the drive of transducer n
 //   w_jn  G_jn x_n for the foci, l_i Q_in x_n for the rows of the nulls; p_j = sum over n of w_jn
 //   u_j   p_j / |p_j|,  L = sum |p| / sum t over the foci
-//   J_jn  -Im(u_j* w_jn) / (t_j L) for a focus; -Im w_in / L and Re w_in / L for a null's row
+//   J_jn  -Im(u_j* w_jn) / (t_j L) for a focus, without its share of the change of L; -Im w_in / L and Re w_in / L for
+//   a
+//         null's row
 //   m_j   1 - |p_j| / (t_j L) for a focus; -Re p_i / L and -Im p_i / L
 //
+// L follows the foci: they may all become quieter or louder. If L were kept, a single focus near a null would have to
+// stay exactly as loud, against a row that is nearly its own, and the large phases that this takes cost up to 10 dB.
 // The phases change by J^T y with (J J^T + damping) y = m. One pass over the transducers turns each w_jn with its
 // transducer and sums the p_j. The products of the w in J J^T are summed again only if the last step gained little.
 // docs/notes/nulls.md#uniform-and-clamp has the reasons.
@@ -24,10 +28,12 @@ namespace palpa::array {
 inline constexpr double silent_depth = 3e-6;  ///< of a null's row, relative to the level of the foci
 inline constexpr double silent_miss = 3e-3;   ///< of a focus
 inline constexpr std::uint32_t silent_tries = 100;
-/// If more tries than this were needed, and there are at most `silent_raised_rows` rows, `silent_raises` more steps
-/// follow, in which each focus aims for `silent_push` beyond its goal. A step is kept if the weakest focus is louder
-/// once the nulls are silent again, after at most `silent_settles` tries.
+/// If more tries than this were needed, or the weakest of several foci keeps less than `silent_keeps` of its loudness,
+/// and there are at most `silent_raised_rows` rows, `silent_raises` more steps follow, in which each focus aims for
+/// `silent_push` beyond its goal. A step is kept if the weakest focus is louder once the nulls are silent again, after
+/// at most `silent_settles` tries.
 inline constexpr std::uint32_t silent_few = 3;
+inline constexpr double silent_keeps = 0.8;
 inline constexpr std::size_t silent_raised_rows = 32;
 inline constexpr std::uint32_t silent_raises = 8;
 inline constexpr std::uint32_t silent_settles = 6;
@@ -45,7 +51,7 @@ struct SilentScratch {
   PhasedSounds now, tried, kept;      ///< `kept` only of few rows: before a raise
   std::vector<double> products;       ///< of each pair of w, for J J^T
   std::vector<double> along, across;  ///< how a step turns transducers: sum of along Re w + across Im w
-  std::vector<double> normal, rest;
+  std::vector<double> normal, rest, mean;
 };
 
 /// What is wanted of the drive.

@@ -22,7 +22,8 @@ struct CompareCommand {
 void add_options_of_compare(CLI::App& app, CompareCommand& o) {
   const line::Group group(app, "What to compare");
   group.words("what", o.sources, "WHAT...",
-              "the word paper, folders of studies, CSV files of counts, JSON files of palpa study analyse; a study has "
+              "the word paper, folders of studies, CSV files of counts, JSON files of palpa study analyse or compare; "
+              "a study has "
               "one table per method");
   add_study_outputs(app, o.outputs, "one row per table");
 }

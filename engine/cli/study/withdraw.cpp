@@ -50,6 +50,12 @@ void run_withdraw(const WithdrawCommand& o) {
   const study::Withdrawal withdrawal = study::withdraw(o.out, number);
   for (const std::filesystem::path& place : withdrawal.remaining)
     log::warning(fmt::format("{} remains, because only a link to it was in the folder: erase it, too", place.string()));
+  for (const study::OtherNames& file : withdrawal.other_names) {
+    log::warning(fmt::format(
+        "the content of {} remains under {} elsewhere (hard links), which find -inum {} finds: erase "
+        "{}, too",
+        file.file.string(), counted(file.names, "other name"), file.inode, file.names == 1 ? "it" : "them"));
+  }
   if (!o.common.json.empty()) {
     JsonWriter json;
     json.begin_object()
@@ -60,6 +66,14 @@ void run_withdraw(const WithdrawCommand& o) {
         .begin_array();
     for (const std::filesystem::path& place : withdrawal.remaining)
       json.value(place.string());
+    json.end_array().key("other_names").begin_array();
+    for (const study::OtherNames& file : withdrawal.other_names) {
+      json.begin_object()
+          .member("file", file.file.string())
+          .member("names", file.names)
+          .member("inode", file.inode)
+          .end_object();
+    }
     json.end_array().end_object();
     write_file(o.common.json, json.take());
   }

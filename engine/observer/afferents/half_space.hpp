@@ -4,9 +4,11 @@
 
 namespace palpa::observer {
 
-inline constexpr double skin_modulus = 0.05;     ///< E, N/mm2
-inline constexpr double skin_poisson = 0.4;      ///< nu
-inline constexpr double wave_speed_mm_s = 8000;  ///< of surface waves
+inline constexpr double skin_modulus = 0.05;  ///< E, N/mm2
+inline constexpr double skin_poisson = 0.4;   ///< nu
+/// The speed of surface waves, m/s, as in TouchSim. Skin of that E would carry them at 4 m/s
+/// (docs/afferents.md#limits).
+inline constexpr double usual_wave_m_s = 8;
 
 /// E / (1 - nu^2), N/mm2.
 inline constexpr double skin_stiffness = skin_modulus / (1 - skin_poisson * skin_poisson);

@@ -56,7 +56,8 @@ double stress_from(const Face& face, const Vec3& site) {
 
 }  // namespace
 
-SkinLoad::SkinLoad(const geometry::Mesh& body, const SkinSites& sites, Delays delays) : sites_(sites.positions.size()) {
+SkinLoad::SkinLoad(const geometry::Mesh& body, const SkinSites& sites, Delays delays, double wave_m_s)
+    : sites_(sites.positions.size()) {
   const std::vector<Face> faces = faces_of(body, sites);
   // Stress from farther away is below 1e-5 of the pressure on a face of 1 mm2.
   constexpr double stress_reach = 8;
@@ -70,7 +71,7 @@ SkinLoad::SkinLoad(const geometry::Mesh& body, const SkinSites& sites, Delays de
       if (distance < stress_reach) stress_.push_back({f, 0, stress_from(face, site) * per_pa});
       Part part{f, 0, deflection_of_disc(face.radius, distance) * per_pa};
       if (delays == Delays::waves) {
-        const double wave_s = std::max(0.0, distance - face.radius) / wave_speed_mm_s;
+        const double wave_s = std::max(0.0, distance - face.radius) / (wave_m_s * 1e3);
         part.delay = static_cast<std::uint32_t>(std::lround(wave_s * afferent_rate_hz));
       }
       delays_ = std::max<std::size_t>(delays_, part.delay + 1);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "geometry/mesh/mesh.hpp"
+#include "observer/afferents/half_space.hpp"
 #include "observer/afferents/pressure_pattern.hpp"
 #include "observer/afferents/response.hpp"
 #include "observer/afferents/skin_sites.hpp"
@@ -24,8 +25,9 @@ enum class Delays { none, waves };
 
 class SkinLoad {
  public:
-  /// `body` is the mesh of the sites.
-  SkinLoad(const geometry::Mesh& body, const SkinSites& sites, Delays delays = Delays::waves);
+  /// `body` is the mesh of the sites. The speed of surface waves, m/s, changes only the delays.
+  SkinLoad(const geometry::Mesh& body, const SkinSites& sites, Delays delays = Delays::waves,
+           double wave_m_s = usual_wave_m_s);
 
   std::size_t sites() const { return sites_; }
   /// One more than the longest delay in samples.

@@ -161,7 +161,10 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
   if (by.finger && factors.empty()) result.over_free_field = gains_over(in_free_air, layout, *by.finger, result);
   if (by.finger) result.effort = by.finger->body.effort();
   result.unresolved = array::unresolved_pairs(layout, result.foci, options);
-  if (options.nulls) result.nulls = report_nulls(layout, result.drive, result.foci, options);
+  if (options.nulls) {
+    result.nulls = report_nulls(layout, result.drive, result.foci, options);
+    warn_of_nulls(*result.nulls);
+  }
 }
 
 /// Refuses values that the command line refuses during parsing.

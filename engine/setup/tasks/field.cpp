@@ -35,7 +35,7 @@ array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldR
   array::foci_of_slot(schedule, 0, result.foci);
   check_nulls(layout, result.foci, options);
   array::Drive drive = drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
-  report_nulls(layout, drive, result.foci, options);
+  warn_of_nulls(report_nulls(layout, drive, result.foci, options));
   return drive;
 }
 

@@ -20,16 +20,8 @@ namespace {
 
 constexpr std::uint64_t most_bytes = 1 << 20;
 constexpr std::uint64_t most_count = 1'000'000'000;
-
-/// Without spaces around it, and without quotes.
-std::string_view plain(std::string_view cell) {
-  while (!cell.empty() && cell.front() == ' ')
-    cell.remove_prefix(1);
-  while (!cell.empty() && cell.back() == ' ')
-    cell.remove_suffix(1);
-  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
-  return cell;
-}
+/// More are only counted to here.
+constexpr std::size_t most_cells = 1000;
 
 char separator_of(std::string_view line) {
   for (const char separator : {'\t', ';', ','}) {
@@ -47,16 +39,16 @@ std::uint64_t count_in(std::string_view cell, const std::string& name, std::size
   return *count;
 }
 
-std::vector<std::string> shapes_in(const std::vector<std::string_view>& header, const std::string& name) {
+std::vector<std::string> shapes_in(const std::vector<std::string>& header, const std::string& name) {
   std::vector<std::string> shapes;
   for (std::size_t i = 1; i < header.size(); ++i) {
-    const std::string_view shape = plain(header[i]);
+    const std::string& shape = header[i];
     // A file of another kind may be anything, so no message shows its bytes.
     if (shape.empty() || shape.size() > most_name)
       throw bad_input(name, fmt::format("line 1: name {} is not a name of 1 to {} letters", i, most_name));
     if (std::ranges::find(shapes, shape) != shapes.end())
       throw bad_input(name, fmt::format("line 1: name {} is there twice", i));
-    shapes.emplace_back(shape);
+    shapes.push_back(shape);
   }
   if (shapes.size() < 2 || shapes.size() > most_shapes) {
     throw bad_input(name, fmt::format("line 1: has {} shapes, 2 to {} are needed: the line has the answers, such as "
@@ -72,17 +64,17 @@ CountsFile parse_counts(std::string_view text, const std::string& name) {
   Lines lines(text);
   const std::string_view first = lines.next().value_or("");
   const char separator = separator_of(first);
-  CountsFile file{.table = Confusion(shapes_in(cells_of(first, separator), name))};
+  CountsFile file{.table = Confusion(shapes_in(plain_cells_of(first, separator, most_cells), name))};
   Confusion& table = file.table;
   std::vector<bool> there(table.size(), false);
   while (const std::optional<std::string_view> line = lines.next()) {
     if (line->empty()) continue;
-    const std::vector<std::string_view> cells = cells_of(*line, separator);
+    const std::vector<std::string> cells = plain_cells_of(*line, separator, most_cells);
     if (cells.size() != table.size() + 1) {
       throw bad_input(name, fmt::format("line {}: {} where line 1 has {}", lines.number(),
                                         counted(cells.size() - 1, "count"), counted(table.size(), "answer")));
     }
-    const std::string_view shape = plain(cells[0]);
+    const std::string& shape = cells[0];
     const auto found = std::ranges::find(table.shapes, shape);
     if (found == table.shapes.end()) {
       throw bad_input(name, fmt::format("line {}: the shape '{}' is not among the answers {}", lines.number(),
@@ -94,7 +86,7 @@ CountsFile parse_counts(std::string_view text, const std::string& name) {
                       fmt::format("line {}: shape '{}' already has a line", lines.number(), printable(shape, 40)));
     there[row] = true;
     for (std::size_t j = 0; j < table.size(); ++j)
-      table.at(row, j) = count_in(plain(cells[j + 1]), name, lines.number());
+      table.at(row, j) = count_in(cells[j + 1], name, lines.number());
     if (lines.cut())
       file.warning = fmt::format("{}: line {} has no end: check that the file is complete", name, lines.number());
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -32,18 +33,43 @@ constexpr std::size_t most_faults = 10;
 /// The place of each column in the file.
 using Places = std::array<std::size_t, column_count>;
 
-Places places_of(const std::vector<std::string_view>& header, const std::string& name) {
-  Places places{};
-  for (std::size_t c = 0; c < column_count; ++c) {
-    const auto found = std::ranges::find(header, column_names[c]);
-    if (found == header.end()) {
-      throw bad_input(name, fmt::format("line 1: the column {} is missing; the columns are {}, separated by tabs",
-                                        column_names[c], fmt::join(column_names, ", ")));
-    }
-    if (std::find(found + 1, header.end(), column_names[c]) != header.end())
-      throw bad_input(name, fmt::format("line 1: the column {} is there twice", column_names[c]));
-    places[c] = static_cast<std::size_t>(found - header.begin());
+/// More columns are refused.
+constexpr std::size_t most_columns = 1000;
+
+bool same_letters(std::string_view a, std::string_view b) {
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(a, b, {}, small, small);
+}
+
+/// A column of that name; if there is none, one of that name in other letters, such as Onset.
+std::size_t place_of(std::span<const std::string> header, std::string_view column, const std::string& name) {
+  const auto same = [&](const std::string& other) { return other == column; };
+  const auto alike = [&](const std::string& other) { return same_letters(other, column); };
+  auto found = std::ranges::find_if(header, same);
+  const bool exact = found != header.end();
+  if (!exact) found = std::ranges::find_if(header, alike);
+  if (found == header.end()) {
+    constexpr std::size_t most_shown = 20;
+    std::vector<std::string> columns;
+    for (const std::string& other : header.first(std::min(header.size(), most_shown)))
+      columns.push_back(printable(other, 30));
+    throw bad_input(name, fmt::format("line 1: the column {} is missing: the line has {}{}; the columns are {}, "
+                                      "separated by tabs",
+                                      column, fmt::join(columns, ", "), header.size() > most_shown ? ", ..." : "",
+                                      fmt::join(column_names, ", ")));
   }
+  const std::span<const std::string> after(found + 1, header.end());
+  if (exact ? std::ranges::any_of(after, same) : std::ranges::any_of(after, alike))
+    throw bad_input(name, fmt::format("line 1: the column {} is there twice", column));
+  return static_cast<std::size_t>(found - header.begin());
+}
+
+Places places_of(std::span<const std::string> header, const std::string& name) {
+  if (header.size() > most_columns)
+    throw bad_input(name, fmt::format("line 1: has more than {} columns", most_columns));
+  Places places{};
+  for (std::size_t c = 0; c < column_count; ++c)
+    places[c] = place_of(header, column_names[c], name);
   return places;
 }
 
@@ -52,8 +78,8 @@ std::string shown(std::string_view cell) {
 }
 
 /// Fills `row` from the cells of a line; returns the fault, empty if there is no fault.
-std::string read_row(const std::vector<std::string_view>& cells, const Places& places, EventRow& row) {
-  const auto cell = [&](Column column) { return cells[places[column]]; };
+std::string read_row(const std::vector<std::string>& cells, const Places& places, EventRow& row) {
+  const auto cell = [&](Column column) -> const std::string& { return cells[places[column]]; };
   const auto time = [&](Column column, std::optional<double>& target) {
     if (cell(column) == not_available) return true;
     target = parse_number(cell(column));
@@ -95,7 +121,7 @@ EventsFile parse_events(std::string_view text, const std::string& name) {
   Lines lines(text);
   const std::optional<std::string_view> first = lines.next();
   if (!first) throw bad_input(name, "is empty");
-  const std::vector<std::string_view> header = cells_of(*first, '\t');
+  const std::vector<std::string> header = plain_cells_of(*first, '\t', most_columns);
   const Places places = places_of(header, name);
 
   std::size_t faulty = 0;
@@ -106,7 +132,7 @@ EventsFile parse_events(std::string_view text, const std::string& name) {
   while (const std::optional<std::string_view> line = lines.next()) {
     if (line->empty()) continue;
     if (lines.number() > most_rows) throw bad_input(name, fmt::format("has more than {} lines", most_rows));
-    const std::vector<std::string_view> cells = cells_of(*line, '\t');
+    const std::vector<std::string> cells = plain_cells_of(*line, '\t', most_columns);
     if (lines.cut()) {
       leave_out("the line has no end: the file is cut off here");
     } else if (cells.size() != header.size()) {

@@ -52,12 +52,12 @@ FingerFile read_finger(const std::filesystem::path& path, std::span<const TrialT
         line = lines.next();
         if (!line || lines.cut()) return file;
       }
-      const std::vector<std::string_view> cells = cells_of(*line, '\t');
+      const std::vector<std::string> cells = plain_cells_of(*line, '\t', sidecar.columns);
       if (cells.size() != sidecar.columns) {
         throw bad_input(name, fmt::format("line {}: {} where {} {} named", index + 1, counted(cells.size(), "cell"),
                                           counted(sidecar.columns, "column"), sidecar.columns == 1 ? "is" : "are"));
       }
-      const std::string_view cell = cells[sidecar.depth_column];
+      const std::string& cell = cells[sidecar.depth_column];
       if (cell == not_available) continue;
       const std::optional<double> depth = parse_number(cell);
       constexpr double most_m = 10;

@@ -18,10 +18,10 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t most_bytes = 64 << 20, most_count = 1'000'000'000;
-constexpr std::size_t most_line = 1000;
+constexpr std::size_t most_line = 1000, most_compared = 100;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& fault) {
-  throw bad_input(file, fmt::format("{}: a JSON file of palpa study analyse is needed", fault));
+  throw bad_input(file, fmt::format("{}: a JSON file of palpa study analyse or compare is needed", fault));
 }
 
 std::vector<std::string> shapes_in(const json& document, const std::string& file) {
@@ -62,17 +62,23 @@ std::vector<std::pair<std::string, Confusion>> read_results(const std::filesyste
                                                             std::vector<std::string>& left_out) {
   const std::string file = path.string();
   const json document = json::parse(read_text_file(path, most_bytes), nullptr, false);
-  if (!document.is_object() || document.value("kind", json()) != results_kind)
+  const json kind = document.is_object() ? document.value("kind", json()) : json();
+  // Earlier versions wrote no kind for a table of counts.
+  const bool compared = document.is_object() && document.contains("tables");
+  if (kind != results_kind && !(compared && (kind == comparison_kind || kind.is_null())))
     refuse(file, "\"kind\" is not that of such a file");
-  const std::vector<std::string> shapes = shapes_in(document, file);
-  const auto methods = document.find("methods");
-  if (methods == document.end() || !methods->is_array() || methods->empty() || methods->size() > most_methods)
-    refuse(file, "\"methods\" is not a list");
+  // A study has the same shapes in all tables.
+  const std::vector<std::string> shapes = compared ? std::vector<std::string>() : shapes_in(document, file);
+  const char* const key = compared ? "tables" : "methods";
+  const std::size_t most = compared ? most_compared : most_methods;
+  const auto list = document.find(key);
+  if (list == document.end() || !list->is_array() || list->empty() || list->size() > most)
+    refuse(file, fmt::format("\"{}\" is not a list of 1 to {} tables", key, most));
   std::vector<std::pair<std::string, Confusion>> tables;
-  for (const json& method : *methods) {
-    const json name = method.is_object() ? method.value("name", json()) : json();
-    if (!name.is_string()) refuse(file, "\"methods\" has something without a \"name\"");
-    tables.emplace_back(name.get<std::string>(), table_in(method, shapes, file));
+  for (const json& entry : *list) {
+    const json name = entry.is_object() ? entry.value("name", json()) : json();
+    if (!name.is_string()) refuse(file, fmt::format("\"{}\" has something without a \"name\"", key));
+    tables.emplace_back(name.get<std::string>(), table_in(entry, compared ? shapes_in(entry, file) : shapes, file));
   }
   for (const json& line : document.value("left_out", json::array())) {
     if (line.is_string()) left_out.push_back(printable(line.get<std::string>(), most_line));

@@ -1,4 +1,4 @@
-// The confusion matrices in a JSON file of palpa study analyse.
+// The confusion matrices in a JSON file of palpa study analyse or compare.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,12 @@
 
 namespace palpa::study {
 
-/// The value of the key "kind" of such a file.
+/// The values of the key "kind" of such files.
 inline constexpr const char* results_kind = "palpa study analyse";
+inline constexpr const char* comparison_kind = "palpa study compare";
 
-/// Names and tables in the order of the file. Appends what the analysis warned of to `left_out`. Throws bad_input if
+/// Names and tables in the order of the file: one table per method of a study, or those that were compared, of which a
+/// table of counts is a single one. Appends what the analysis warned of to `left_out`. Throws bad_input if
 /// the file is not such JSON.
 std::vector<std::pair<std::string, Confusion>> read_results(const std::filesystem::path& file,
                                                             std::vector<std::string>& left_out);

@@ -7,6 +7,7 @@
 
 #include "base/json_writer.hpp"
 #include "base/text.hpp"
+#include "study/files/results_file.hpp"
 #include "study/pages/csv.hpp"
 #include "study/pages/html.hpp"
 #include "study/pages/measures_json.hpp"
@@ -36,7 +37,8 @@ std::string comparison_text(const Comparison& comparison) {
 
 std::string comparison_json(const Comparison& comparison, const std::vector<std::string>& left_out) {
   JsonWriter json;
-  json.begin_object().key("tables").begin_array(JsonWriter::Style::block);
+  json.begin_object().member("kind", comparison.tables.size() == 1 ? results_kind : comparison_kind);
+  json.member("version", 1).key("tables").begin_array(JsonWriter::Style::block);
   for (const Measures& measures : comparison.tables) {
     json.begin_object().member("name", measures.name).key("shapes").begin_array();
     for (const std::string& shape : measures.table.shapes)

@@ -16,7 +16,7 @@ Agenda::Agenda(std::vector<Step> steps) : steps_(std::move(steps)), left_(steps_
 }
 
 std::optional<std::uint32_t> Agenda::current() const {
-  if (left_.empty() || finished_) return std::nullopt;
+  if (left_.empty() || finished_ || (consent_ && !consent_->accepted)) return std::nullopt;
   return left_.front();
 }
 

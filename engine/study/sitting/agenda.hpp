@@ -29,7 +29,8 @@ class Agenda {
   /// can.
   std::string take(const Entry& entry);
 
-  /// The index of the step that is under way or comes next; nothing if all are complete, or the sitting is finished.
+  /// The index of the step that is under way or comes next; nothing if all are complete, the participant declined, or
+  /// the sitting is finished.
   std::optional<std::uint32_t> current() const;
   const Step& step(std::uint32_t index) const { return steps_[index]; }
   const std::vector<Step>& steps() const { return steps_; }

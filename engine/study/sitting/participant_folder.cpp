@@ -87,12 +87,26 @@ ParticipantFolder participant_folder(const fs::path& study, std::uint32_t number
 }
 
 void make_folders(const ParticipantFolder& folder) {
+  const fs::path study = folder.path.parent_path();
   std::error_code fault;
-  const bool made = fs::create_directories(folder.beh(), fault);
-  if (fault) throw failure(fmt::format("{}: cannot be created: {}", folder.beh().string(), fault.message()));
+  fs::create_directories(study, fault);
+  if (fault) throw failure(fmt::format("{}: cannot be created: {}", study.string(), fault.message()));
+  bool made = false;
+  for (const fs::path& place : {folder.path, folder.beh()}) {
+    if (!make_folder(place)) continue;
+    keep_to_owner(place);
+    made = true;
+  }
   if (!made) return;
   for (const fs::path& place : {folder.beh(), folder.path.parent_path()})
     keep_file(place);
+}
+
+void restrict_to_owner(const ParticipantFolder& folder) {
+  keep_to_owner(folder.path);
+  std::error_code fault;
+  for (fs::recursive_directory_iterator at(folder.path, fault), end; !fault && at != end; at.increment(fault))
+    keep_to_owner(at->path());
 }
 
 void remove_leftovers(const ParticipantFolder& folder) {

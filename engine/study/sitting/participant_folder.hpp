@@ -31,8 +31,11 @@ ParticipantFolder participant_folder(const std::filesystem::path& study, std::ui
 /// be read.
 std::vector<ParticipantFolder> participant_folders(const std::filesystem::path& study);
 
-/// Creates what is missing of it. Throws failure().
+/// Creates what is missing of it, the participant's folders for their owner only. Throws failure().
 void make_folders(const ParticipantFolder& folder);
+
+/// Lets only their owner read what is in it. Copied files, and those of an older palpa, may have other modes.
+void restrict_to_owner(const ParticipantFolder& folder);
 
 /// Removes files with a temporary name from it: a program that is killed while it replaces a file may leave one. Call
 /// with the journal locked.

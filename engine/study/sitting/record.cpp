@@ -101,7 +101,7 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
     try_out();
   }
   make_folders(folder_);
-  outputs_.emplace(std::vector<Output>{{"--out", folder_.path.string(), Output::Kind::continued_folder}});
+  outputs_.emplace(std::vector<Output>{{"--out", folder_.path.string(), Output::Kind::personal_folder}});
   file_ = open_to_append(folder_.journal());
   remove_leftovers(folder_);
   Journal journal = read_journal(content_of(folder_.journal()), file_.name());
@@ -116,17 +116,18 @@ Record::Record(const StudyPlan& plan, std::uint32_t participant, const std::file
                     "with the same file, or give the new plan another --out",
                     file_.name(), participant, plan.file));
   }
-  const bool finished = agenda_after(steps_, journal.entries, file_.name()).finished();
+  const bool steps_left = agenda_after(steps_, journal.entries, file_.name()).current().has_value();
   for (const Entry& entry : journal.entries) {
     if (entry.kind != EntryKind::start || entry.rehearsal == rehearsal) continue;
     throw bad_usage(fmt::format("{}: is of a {}: give {} another --out", file_.name(),
                                 entry.rehearsal ? "rehearsal" : "person", rehearsal ? "a rehearsal" : "the study"));
   }
   refuse_unknown_files(journal.entries);
-  if (!begins && !finished) {
+  if (!begins && steps_left) {
     refuse_other_models(plan, steps_, journal.entries, file_.name());
     try_out();
   }
+  restrict_to_owner(folder_);
   file_.cut(journal.whole);
   entries_ = std::move(journal.entries);
   digits_ = std::move(journal.last_digits);

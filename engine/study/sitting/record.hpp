@@ -29,7 +29,7 @@ class Record {
   /// there are files of runs, or rows of logs, that it does not contain; failure() if a file cannot be written. If it
   /// throws, no file of a participant was changed. `plan` must outlive it.
   ///
-  /// `try_out` tries what a sitting needs, such as its link. It is called unless the participant has finished: for a
+  /// `try_out` tries what a sitting needs, such as its link. It is called unless no step is left: for a
   /// new one before there is any file, for others when their journal was read. Its errors are passed on.
   Record(
       const StudyPlan& plan, std::uint32_t participant, const std::filesystem::path& study, bool rehearsal,

@@ -22,7 +22,7 @@ Sitting::Sitting(const StudyPlan& plan, Agenda agenda, Entry start, std::functio
   start.kind = EntryKind::start;
   start.at_ns = 0;
   record(start);
-  if (agenda_.finished()) screen_ = Screen::end;
+  if (!agenda_.current()) end();
 }
 
 /// Whatever goes wrong here, nothing sounds any more.
@@ -79,7 +79,12 @@ void Sitting::next_step() {
     screen_ = Screen::ready;
     return;
   }
-  record({.kind = EntryKind::finish, .at_ns = now_ns_});
+  end();
+}
+
+/// The program may have been killed between the last step and this entry.
+void Sitting::end() {
+  if (!agenda_.finished()) record({.kind = EntryKind::finish, .at_ns = now_ns_});
   screen_ = Screen::end;
 }
 
@@ -188,8 +193,7 @@ void Sitting::act(Act act, std::int64_t now_ns) {
       if (act == Act::accept) {
         next_step();
       } else {
-        record({.kind = EntryKind::finish, .at_ns = now});
-        screen_ = Screen::end;
+        end();
       }
       break;
     case Screen::depth_consent:

@@ -54,8 +54,9 @@ struct Presented {
 
 class Sitting {
  public:
-  /// Continues after the entries that `agenda` has taken, and writes the start. Times are nanoseconds of a clock that
-  /// does not go back, counted from this start. `write` puts an entry on the disk, or throws.
+  /// Continues after the entries that `agenda` has taken, and writes the start, and the end if no step is left. Times
+  /// are nanoseconds of a clock that does not go back, counted from this start. `write` puts an entry on the disk, or
+  /// throws.
   Sitting(const StudyPlan& plan, Agenda agenda, Entry start, std::function<void(const Entry&)> write);
 
   void act(Act act, std::int64_t now_ns);
@@ -98,6 +99,7 @@ class Sitting {
  private:
   void record(const Entry& entry);
   void next_step();
+  void end();
   void begin_step(std::int64_t now_ns);
   void begin_touch(std::int64_t now_ns);
   void end_touch(std::int64_t now_ns);

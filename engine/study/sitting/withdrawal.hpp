@@ -9,11 +9,19 @@
 
 namespace palpa::study {
 
+/// A file that was erased, but has other names (hard links) elsewhere, under which its content remains.
+struct OtherNames {
+  std::filesystem::path file{};
+  std::uint64_t names = 0;  ///< how many
+  std::uint64_t inode = 0;  ///< by which they can be found
+};
+
 struct Withdrawal {
   std::size_t files = 0;  ///< that were erased
   bool before = false;    ///< the participant had withdrawn before, and nothing was left
   /// Files and folders elsewhere, to which links in the folder led. They still exist.
   std::vector<std::filesystem::path> remaining{};
+  std::vector<OtherNames> other_names{};
 };
 
 /// Erases the participant's files from the study's folder. The tombstone is written first and is on the disk before

@@ -104,9 +104,29 @@ TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
   EXPECT_EQ(json::parse(test::read_text(beh("_events.json")))["Backend"], "cpu");
 }
 
+TEST_F(ConductorTest, ACompleteSittingWithoutItsLastLineEndsWithoutAKey) {
+  prepare("[[block]]\nkind = \"rest\"\nrest_s = 0.01\n").begin();
+  ASSERT_TRUE(bench_->goes_until([&] { return bench_->conductor().over(); }));
+  bench_->end();
+  const fs::path journal = folder_ / "study/sub-01/sub-01_journal.jsonl";
+  std::string text = test::read_text(journal);
+  text.pop_back();  // the last line has no end
+  test::write_text(journal, text);
+  bench_->options().link = "unplugged";
+  bench_->begin();
+  EXPECT_EQ(bench_->sitting().screen(), Screen::end);
+  bench_->conductor().advance();
+  EXPECT_EQ(bench_->conductor().participant_view().text, bench_->plan().text(study::TextId::end));
+  EXPECT_EQ(bench_->conductor().experimenter_view().state, "the end");
+  EXPECT_TRUE(bench_->sitting().agenda().finished());
+  bench_->end();
+  EXPECT_ERROR(bench_->begin(), Exit::usage, "participant 1 has finished");
+}
+
 TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
-  begin("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.4);
+  prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.4, "ask_depth_frames = true\n").begin();
   ASSERT_TRUE(bench_->goes_until([&] { return bench_->sitting().agenda().complete() == 2; }));
+  EXPECT_TRUE(fs::is_directory(beh("_touch-001_depth")));
   EXPECT_GT(bench_->heard()->sounding, 0u);
   EXPECT_LE(bench_->heard()->loudest, 0.5F) << "the plan's ceiling";
   const json touches = json::parse(test::read_text(beh("_stimuli.json")))["touches"];
@@ -151,6 +171,7 @@ TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
     }
   }
   EXPECT_NEAR(deepest_m, 3e-3, 1.5e-3) << "with the sensor's noise";
+  EXPECT_EQ(test::open_to_others(folder_ / "study/sub-01"), std::vector<fs::path>());
 }
 
 TEST_F(ConductorTest, AnyKeyOfTheParticipantSilences) {
