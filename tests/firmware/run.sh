@@ -10,7 +10,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-openmpd=${PALPA_OPENMPD_HARDWARE-} sonicsurface=${PALPA_SONICSURFACE-} palpa=build/release/bin/palpa
+openmpd=${PALPA_OPENMPD_HARDWARE-} sonicsurface=${PALPA_SONICSURFACE-} palpa=
 die() {
   printf 'test firmware: %s\n' "$*" >&2
   exit 1
@@ -29,6 +29,12 @@ if [[ -z $openmpd$sonicsurface ]]; then
   echo "firmware: skipped: it needs a clone of github.com/RMResearch/OpenMPD_Hardware (--openmpd DIR or PALPA_OPENMPD_HARDWARE)," \
     "or of github.com/upnalab/SonicSurface (--sonicsurface DIR or PALPA_SONICSURFACE)"
   exit
+fi
+# What another palpa than this one sends is compared as it is, e.g. that of an older commit.
+if [[ -z $palpa ]]; then
+  ./dev deps firmware || true
+  ./dev build release palpa palpa-guard
+  palpa=build/release/bin/palpa
 fi
 for tool in ghdl verilator c++; do
   command -v "$tool" >/dev/null || {
