@@ -11,6 +11,7 @@ stages() {
 check        ./dev check
 live         ./dev test live
 usb          ./dev test usb
+firmware     ./dev test firmware
 $(tests/house/matrix.sh list | awk '{ printf "%-12s ./dev test matrix %s\n", $1, $1 }')
 fuzz         ./dev test fuzz 60 1
 kill         ./dev test kill 60 1
@@ -53,7 +54,7 @@ while read -r name command; do
   if ! $command </dev/null >"build/logs/all-$name.log" 2>&1; then
     result=FAILED
     first=$(first_failure "build/logs/all-$name.log")
-  elif grep -qE '^bare: skipped' "build/logs/all-$name.log"; then
+  elif grep -qE '^(bare|firmware): skipped' "build/logs/all-$name.log"; then
     result=skipped first=$(grep -m 1 'skipped' "build/logs/all-$name.log")
   fi
   echo "$tree|$result|$((SECONDS - begin))|$first" >"$results/$name"
