@@ -1,8 +1,10 @@
 // `palpa run` with emulated AUTD3 units and SonicSurface boards: the real programs, with a line between them.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "driver/autd3/emulated/listener.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
 #include "support/begins.hpp"
+#include "support/drive_recording.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -92,6 +95,30 @@ Result palpa_on_free_line(const std::vector<std::string>& arguments) {
   return result;
 }
 
+/// Two boards whose sounds meet at a place, the second one earlier by one sixteenth of a period after the other.
+TEST(LinkTest, ComparesTwoBoards) {
+  const auto file = scratch_folder("link-compare") / "drives.bin";
+  const Result result = palpa({"link", "test", "--layout", "openmpd-pair", "--link", "record:" + file.string(),
+                               "--compare", "0,0,119.4mm", "--each", "1ms", "--rest", "0", "--dwell", "1ms"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_CONTAINS(result.out, "boards 1 and 2, board 2 earlier by 0.0625 periods");
+  std::vector<array::Drive> steps;  // a late slot is played once more
+  for (const RecordedDrive& one : read_drive_recording(file).drives) {
+    if (one.drive[0].amplitude == 0) continue;
+    if (steps.empty() || one.drive[256].phase != steps.back()[256].phase) steps.push_back(one.drive);
+  }
+  ASSERT_EQ(steps.size(), 16u);
+  for (std::size_t step = 0; step < steps.size(); ++step) {
+    for (std::size_t t = 0; t < 256; ++t) {
+      EXPECT_EQ(steps[step][t].phase, steps[0][t].phase) << "the first board stays";
+      const double earlier = (steps[0][256 + t].phase - steps[step][256 + t].phase) / (2 * std::numbers::pi);
+      EXPECT_NEAR(std::remainder(earlier - static_cast<double>(step) / 16, 1.0), 0, 1e-5);
+    }
+  }
+  // The place is in the middle, and the boards are mirror images.
+  EXPECT_NEAR(steps[0][0].phase, steps[0][256 + 240].phase, 1e-2);
+}
+
 TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
   PALPA_TERMINAL_OR_SKIP();
   SonicSurfaceLine line, of_the_link_alone, of_long_dwells;
@@ -137,6 +164,11 @@ TEST(BoardsRun, WhatCannotBePlayedToOrEmulatedIsNamed) {
       {{"link"}, 2, "palpa link test"},
       {{"link", "test", "--layout", "openmpd"}, 2, "--link"},
       {{"link", "test", "--link", "null"}, 2, "--layout"},
+      {{"link", "test", "--link", "null", "--layout", "openmpd", "--compare", "0,0,1cm"}, 2, "has 1 board"},
+      {{"link", "test", "--link", "null", "--layout", "openmpd-pair", "--compare", "0,0"}, 2, "--compare"},
+      {{"link", "test", "--link", "null", "--layout", "openmpd-pair", "--compare", "0,0,1cm", "--last", "3"},
+       2,
+       "leave out"},
       {{"link", "test", "--link", "openmpd:A,B,C"}, 2, "--layout"},
       {{"link", "test", "--link", "null", "--layout", "openmpd", "--first", "7", "--last", "256"}, 2, "0 to 255"},
       {{"emulate"}, 2, "the board is missing"},

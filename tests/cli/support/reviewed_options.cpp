@@ -375,8 +375,9 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
         of_touch(),
         of_run(),
         {.line = "link test --link null --layout openmpd --last 0 --each 1ms --rest 0",
-         .idle =
-             joined<IdleOptions>({{{"--board-files goes with a link to boards", {"--board-files /"}}}, no_gpu_at_all}),
+         .idle = joined<IdleOptions>({{{"--board-files goes with a link to boards", {"--board-files /"}},
+                                       {"OPTION sounds whole boards at full amplitude", {"--compare 0,0,10cm"}}},
+                                      no_gpu_at_all}),
          .untried = "--link --layout --first --last --each --rest --dwell --amplitude"},
         of_field(),
         of_afferents(),
