@@ -282,7 +282,7 @@ TEST(CliNulls, OfARunAreDoubtedAsThoseOfADrive) {
   const std::string at_a_focus = warnings("-11mm,-1mm,-3.5mm");
   comes_once(at_a_focus, "palpa: warning: --null: null 1 is ");
   comes_once(at_a_focus, "of the pressure that it has without nulls; this warning comes once");
-  comes_once(warnings("-15mm,0,0,5mm"), "is within null 1, ");
+  comes_once(warnings("-11mm,-1mm,-3.5mm,4mm"), "is within null 1, ");
 }
 
 TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {

@@ -28,9 +28,9 @@ namespace palpa::array {
 inline constexpr double silent_depth = 3e-6;  ///< of a null's row, relative to the level of the foci
 inline constexpr double silent_miss = 3e-3;   ///< of a focus
 inline constexpr std::uint32_t silent_tries = 100;
-/// If more tries than this were needed, or the weakest of several foci keeps less than `silent_keeps` of its loudness,
-/// and there are at most `silent_raised_rows` rows, `silent_raises` more steps follow, in which each focus aims for
-/// `silent_push` beyond its goal. A step is kept if the weakest focus is louder once the nulls are silent again, after
+/// If more tries than this were needed, or L of several foci falls below `silent_keeps` of what it was, and there are
+/// at most `silent_raised_rows` rows, `silent_raises` more steps follow, in which each focus aims for `silent_push`
+/// beyond its goal, and L is kept. A step is kept if the weakest focus is louder once the nulls are silent again, after
 /// at most `silent_settles` tries.
 inline constexpr std::uint32_t silent_few = 3;
 inline constexpr double silent_keeps = 0.8;
