@@ -18,7 +18,7 @@ from compare import Comparison, wrap
 from damage import OPENMPD_DAMAGES, SONICSURFACE_DAMAGES, damage_openmpd, damage_sonicsurface, single_slots
 from pins import Pins
 from places import loudest_place
-from play import Player, wire_bytes
+from play import Player, line_end, wire_bytes
 from still import ROOT, focus_of, write_pair, write_recording, write_rig
 
 FOCUS_M = (0.020, 0.030, 0.145)
@@ -118,7 +118,7 @@ def openmpd_cases(stage):
     print("\nOpenMPD, firmware 3.4.2")
     print(ROW.format("case", "runs", "pulses", "different", "mixed", "no drive", "late", "rms", "focus", "drives"))
 
-    def case(name, words, scaled=False, steps=1, frames=12):
+    def case(name, words, scaled=False, steps=1, frames=12, board=board):
         trace, drives = stage.player.run("openmpd", "openmpd:EMU1", rig, words, frames)
         wire = wire_bytes(trace)
         pins = stage.simulate("openmpd", board, [wire], 5e-3)[0]
@@ -128,7 +128,7 @@ def openmpd_cases(stage):
         return wire, drives
 
     wire, drives = case("default", [], frames=20)
-    case("--ceiling 0.8", ["--ceiling", "0.8"])
+    case("--ceiling 0.8", ["--ceiling", "0.8"], board=OpenMpd(0.8))
     case("--amplitude uniform", ["--amplitude", "uniform"])
     case("--method single-focus", ["--method", "single-focus"])
     case("--ramp 20ms", ["--ramp", "20ms"], scaled=True, steps=7)
@@ -147,7 +147,6 @@ def openmpd_cases(stage):
     print(f"    the longest pulse is {found.widest} of 128 steps")
     stage.row("the next run after lost bytes", comparison.result(since_s=begin_s))
 
-    gap_m = 0.2388
     trace, drives = stage.player.run("openmpd", "openmpd:EMU1,EMU2", stage.rig("openmpd-pair"), [], 12, ("--serial", "EMU1,EMU2"))
     wires = [wire_bytes(trace, serial) for serial in ("EMU1", "EMU2")]
     both = [Comparison(board, pins, drives[:, half]).result()
@@ -198,7 +197,7 @@ def sonicsurface_cases(stage, clone):
     def with_hidden(wire):
         """At the end, the buffers change places once more: the hidden one must be silent, too."""
         more = wire[-1:].copy()
-        more["at_s"], more["value"] = wire["at_s"][-1] + 0.03, 253
+        more["at_s"], more["value"] = line_end(wire, 230400) + 0.02, 253
         return np.concatenate([wire, more])
 
     def case(name, simulator, board, wire, drives, scaled=False, **most):

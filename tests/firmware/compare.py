@@ -69,7 +69,7 @@ class Comparison:
             return np.zeros(256), self.board.widths(amplitude)[1]
         if self.scaled:
             loud = amplitude > 0.5 * amplitude.max()
-            factor = np.median(np.sin(np.pi * (self.width[run][loud] + 0.5) / (2 * self.board.full_width)) / amplitude[loud])
+            factor = np.median(np.sin(np.pi * self.width[run][loud] / (2 * self.board.full_width)) / amplitude[loud])
             low, high = self.board.widths(amplitude * min(factor, 1))
             return low - 1, high + 1
         return self.board.widths(amplitude)
