@@ -18,16 +18,20 @@ class OpenMpd:
     any_width, modulated = True, False
     correction = np.zeros(256, np.int64)
 
-    def __init__(self):
+    def __init__(self, ceiling=1):
+        self.ceiling = ceiling
         x, y = np.divmod(np.arange(256), 16)
         within = np.array([[1, 5], [0, 4], [3, 6], [2, 7]])
         self.slot = 64 * (3 - x // 4) + 8 * (7 - y // 2) + within[x % 4, y % 2]
 
-    @staticmethod
-    def widths(amplitudes):
-        """The lowest and the highest width that an amplitude may have. It is rounded down."""
-        exact = 64 * 2 / np.pi * np.arcsin(np.clip(amplitudes, 0, 1))
-        return np.floor(exact - 1e-3).clip(0), np.floor(exact + 1e-3)
+    def widths(self, amplitudes):
+        """The lowest and the highest width that an amplitude may have. It is the nearest one that is not above the ceiling."""
+        return self.nearest(amplitudes - 1e-5), self.nearest(amplitudes + 1e-5)
+
+    def nearest(self, amplitudes):
+        below = np.floor(64 * 2 / np.pi * np.arcsin(np.clip(amplitudes, 0, 1)))
+        lower, upper = np.sin(np.pi / 128 * below), np.sin(np.pi / 128 * np.minimum(below + 1, 64))
+        return np.where((amplitudes - lower > upper - amplitudes) & (upper <= self.ceiling + 1e-6), np.minimum(below + 1, 64), below)
 
 
 class SonicSurface:

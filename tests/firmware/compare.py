@@ -69,7 +69,7 @@ class Comparison:
             return np.zeros(256), self.board.widths(amplitude)[1]
         if self.scaled:
             loud = amplitude > 0.5 * amplitude.max()
-            factor = np.median(np.sin(np.pi * (self.width[run][loud] + 0.5) / (2 * self.board.full_width)) / amplitude[loud])
+            factor = np.median(np.sin(np.pi * self.width[run][loud] / (2 * self.board.full_width)) / amplitude[loud])
             low, high = self.board.widths(amplitude * min(factor, 1))
             return low - 1, high + 1
         return self.board.widths(amplitude)
@@ -95,7 +95,9 @@ class Comparison:
             difference = wrap(difference - delay, self.steps)
             sounds, wrong = self.judge(run, best, difference)
             spoiled = (wrong & ~self.board.uneven).sum() > 2
-            if spoiled and self.pins.count[run] == 1 and not self.board.aligned:
+            # A period in which the outputs change. If many of the late slots alone are wrong, it is more than that.
+            few = 0 < wrong.sum() <= 4 or (wrong & ~self.board.uneven).any()
+            if few and self.pins.count[run] == 1 and not self.board.aligned:
                 found.mixed += 1
                 continue
             found.runs += 1

@@ -33,6 +33,12 @@ def wire_bytes(trace, serial=None, begin_s=3e-3):
     return wire
 
 
+def line_end(wire, baud):
+    """When a serial line has sent all of it."""
+    number, byte_s = np.arange(len(wire)), 10 / baud
+    return float((wire["at_s"] - number * byte_s).max() + len(wire) * byte_s)
+
+
 def read_drives(file, settled=20):
     """The distinct sounding drives of a file that --link record:FILE or --drives wrote, amplitudes and phases, without its first slots."""
     with open(file, "rb") as stream:
