@@ -291,11 +291,12 @@ ReviewedLine of_afferents() {
                                    {{"exclude each other", {"--linear --crest 16"}},
                                     {"--stride: a single focus has no order", {"--stride 3 --method single-focus"}}}}),
       .untried = "--scene --finger --delta",
-      .effective = {{"",
-                     {"--penetration 0.8mm", "--x 1mm", "--z 1mm", "--yaw 30", "--method ellipse", "--foci 6",
-                      "--stride 1", "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear", "--duration 60ms",
-                      "--bin 10ms", "--csv OUT/sites.csv", "--times OUT/times.csv", "--png OUT/spikes.png"}},
-                    {"--method single-focus", {"--modulation-frequency 100"}}}};
+      .effective = {
+          {"",
+           {"--penetration 0.8mm", "--x 1mm", "--z 1mm", "--yaw 30", "--method ellipse", "--foci 6", "--stride 1",
+            "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear", "--duration 60ms", "--wave-speed 8",
+            "--bin 10ms", "--csv OUT/sites.csv", "--times OUT/times.csv", "--png OUT/spikes.png"}},
+          {"--method single-focus", {"--modulation-frequency 100"}}}};
 }
 
 /// A command of studies, which use no GPU.
