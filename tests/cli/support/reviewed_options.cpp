@@ -294,7 +294,7 @@ ReviewedLine of_afferents() {
       .effective = {
           {"",
            {"--penetration 0.8mm", "--x 1mm", "--z 1mm", "--yaw 30", "--method ellipse", "--foci 6", "--stride 1",
-            "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear", "--duration 60ms", "--wave-speed 8",
+            "--dwell 2ms", "--layout sonicsurface", "--crest 50", "--linear", "--duration 60ms", "--wave-speed 4",
             "--bin 10ms", "--csv OUT/sites.csv", "--times OUT/times.csv", "--png OUT/spikes.png"}},
           {"--method single-focus", {"--modulation-frequency 100"}}}};
 }
