@@ -71,8 +71,8 @@ class Comparison:
         if self.scaled:
             loud = amplitude > 0.5 * amplitude.max()
             factor = np.median(np.sin(np.pi * self.width[run][loud] / (2 * self.board.full_width)) / amplitude[loud])
-            low, high = self.board.widths(amplitude * min(factor, 1), 1)
-            return low - 2, high + 2  # rounded before and after the step between two drives
+            about = 0.05  # amplitudes are rounded to steps of up to 0.025, before and after the way between two drives
+            return self.board.widths(amplitude * factor - about, 1)[0], self.board.widths(amplitude * factor + about, 1)[1]
         return self.board.widths(amplitude, self.loudest[best])
 
     def result(self, since_s=0.0):
