@@ -18,20 +18,21 @@ class OpenMpd:
     any_width, modulated = True, False
     correction = np.zeros(256, np.int64)
 
-    def __init__(self, ceiling=1):
-        self.ceiling = ceiling
+    def __init__(self):
         x, y = np.divmod(np.arange(256), 16)
         within = np.array([[1, 5], [0, 4], [3, 6], [2, 7]])
         self.slot = 64 * (3 - x // 4) + 8 * (7 - y // 2) + within[x % 4, y % 2]
 
-    def widths(self, amplitudes):
-        """The lowest and the highest width that an amplitude may have. It is the nearest one that is not above the ceiling."""
-        return self.nearest(amplitudes - 1e-5), self.nearest(amplitudes + 1e-5)
+    def widths(self, amplitudes, loudest):
+        """The lowest and the highest width that an amplitude may have: the nearest one that is not above the loudest amplitude of
+        the drive."""
+        return self.nearest(amplitudes - 1e-5, loudest), self.nearest(amplitudes + 1e-5, loudest)
 
-    def nearest(self, amplitudes):
+    @staticmethod
+    def nearest(amplitudes, loudest):
         below = np.floor(64 * 2 / np.pi * np.arcsin(np.clip(amplitudes, 0, 1)))
         lower, upper = np.sin(np.pi / 128 * below), np.sin(np.pi / 128 * np.minimum(below + 1, 64))
-        return np.where((amplitudes - lower > upper - amplitudes) & (upper <= self.ceiling + 1e-6), np.minimum(below + 1, 64), below)
+        return np.where((amplitudes - lower > upper - amplitudes) & (upper <= loudest + 1e-6), np.minimum(below + 1, 64), below)
 
 
 class SonicSurface:
@@ -49,7 +50,7 @@ class SonicSurface:
         within = np.array([[0, 4], [7, 3], [1, 6], [2, 5]])
         self.slot = 64 * (column // 4) + 8 * (row // 2) + within[column % 4, row % 2]
 
-    def widths(self, amplitudes):
+    def widths(self, amplitudes, _):
         width = np.where(amplitudes > 0, self.full_width, 0)
         return width, width
 

@@ -118,7 +118,7 @@ def openmpd_cases(stage):
     print("\nOpenMPD, firmware 3.4.2")
     print(ROW.format("case", "runs", "pulses", "different", "mixed", "no drive", "late", "rms", "focus", "drives"))
 
-    def case(name, words, scaled=False, steps=1, frames=12, board=board):
+    def case(name, words, scaled=False, steps=1, frames=12):
         trace, drives = stage.player.run("openmpd", "openmpd:EMU1", rig, words, frames)
         wire = wire_bytes(trace)
         pins = stage.simulate("openmpd", board, [wire], 5e-3)[0]
@@ -127,8 +127,8 @@ def openmpd_cases(stage):
         stage.row(name, Comparison(board, pins, drives, scaled).result())
         return wire, drives
 
-    wire, drives = case("default", [], frames=20)
-    case("--ceiling 0.8", ["--ceiling", "0.8"], board=OpenMpd(0.8))
+    wire, drives = case("default", [], frames=30)
+    case("--ceiling 0.8", ["--ceiling", "0.8"])
     case("--amplitude uniform", ["--amplitude", "uniform"])
     case("--method single-focus", ["--method", "single-focus"])
     case("--ramp 20ms", ["--ramp", "20ms"], scaled=True, steps=7)
@@ -149,7 +149,7 @@ def openmpd_cases(stage):
 
     trace, drives = stage.player.run("openmpd", "openmpd:EMU1,EMU2", stage.rig("openmpd-pair"), [], 12, ("--serial", "EMU1,EMU2"))
     wires = [wire_bytes(trace, serial) for serial in ("EMU1", "EMU2")]
-    both = [Comparison(board, pins, drives[:, half]).result()
+    both = [Comparison(board, pins, drives[:, half], loudest=drives[:, :, 0].max(1)).result()
             for pins, half in zip(stage.simulate("openmpd_pair", board, wires, 5e-3), (slice(0, 256), slice(256, 512)))]
     stage.row("master of a pair", both[0])
     stage.row("slave", both[1])
@@ -209,7 +209,7 @@ def sonicsurface_cases(stage, clone):
 
     comparison, _ = case("default: a single focus at 200 Hz", "plain", board, *play("sonicsurface:{}", rig, single))
     check_places(stage, comparison, rig, makers)
-    wire, drives = play("sonicsurface:{}", rig, moving, frames=36)
+    wire, drives = play("sonicsurface:{}", rig, moving, frames=48)
     case("--dwell 12ms", "plain", board, wire, drives)
     case("--amplitude uniform", "plain", board, *play("sonicsurface:{}", rig, [*single, "--amplitude", "uniform"]))
     _, found = case("--ceiling 0.5", "plain", board, *play("sonicsurface:{}", rig, [*moving, "--ceiling", "0.5"]), scaled=True)

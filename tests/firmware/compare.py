@@ -32,8 +32,8 @@ class Result:
 class Comparison:
     """The pulses of one board. `drives`: drive, transducer of the board in the layout's order, (amplitude, phase)."""
 
-    def __init__(self, board, pins, drives, scaled=False):
-        """`scaled`: all amplitudes of a frame may be lower by the same factor, as in a ramp. Boards without amplitudes leave
+    def __init__(self, board, pins, drives, scaled=False, loudest=None):
+        """`loudest`: the loudest amplitude of each drive, if other boards have it. `scaled`: all amplitudes of a frame may be lower by the same factor, as in a ramp. Boards without amplitudes leave
         transducers out for that."""
         self.board, self.scaled, self.steps = board, scaled, board.steps
         self.pins = pins.aligned() if board.aligned else pins
@@ -42,6 +42,7 @@ class Comparison:
         self.turns = np.zeros((len(drives), 256))
         self.amplitude[:, board.slot] = drives[:, :, 0]
         self.turns[:, board.slot] = drives[:, :, 1] / (2 * np.pi)
+        self.loudest = self.amplitude.max(1) if loudest is None else loudest
         self.turns += board.correction / self.steps
         self.middle = self.begin + self.width / 2
         self.proper = (self.count == 1) & (self.width <= board.full_width)
@@ -56,7 +57,7 @@ class Comparison:
         sums = self.vectors[:, full] @ np.exp(2j * np.pi * self.middle[run][full] / self.steps)
         likely = np.flatnonzero(np.abs(sums) > np.abs(sums).max() - 0.02 * max(full.sum(), 1))
         if len(likely) > 1 and not self.scaled:
-            low, high = self.board.widths(self.amplitude[likely])
+            low, high = self.board.widths(self.amplitude[likely], self.loudest[likely, None])
             off = np.maximum(low - self.width[run], self.width[run] - high).clip(0).sum(1) + (1 - np.abs(sums[likely]) / max(full.sum(), 1))
             best = likely[off.argmin()]
         else:
@@ -66,13 +67,13 @@ class Comparison:
     def widths_of(self, run, best):
         amplitude = self.amplitude[best]
         if self.scaled and not self.board.any_width:
-            return np.zeros(256), self.board.widths(amplitude)[1]
+            return np.zeros(256), self.board.widths(amplitude, 1)[1]
         if self.scaled:
             loud = amplitude > 0.5 * amplitude.max()
             factor = np.median(np.sin(np.pi * self.width[run][loud] / (2 * self.board.full_width)) / amplitude[loud])
-            low, high = self.board.widths(amplitude * min(factor, 1))
-            return low - 1, high + 1
-        return self.board.widths(amplitude)
+            about = 0.05  # amplitudes are rounded to steps of up to 0.025, before and after the way between two drives
+            return self.board.widths(amplitude * factor - about, 1)[0], self.board.widths(amplitude * factor + about, 1)[1]
+        return self.board.widths(amplitude, self.loudest[best])
 
     def result(self, since_s=0.0):
         """What is before the first silence since then is left out: some boards sound when they are switched on."""

@@ -16,25 +16,27 @@ def without(wire, ranges):
     return wire[kept]
 
 
-def damage_openmpd(wire, begin=8, apart=9):
+def damage_openmpd(wire, begin=8, end=12):
     """The same run twice, damaged the first time; when the second one begins."""
     first = int(np.argmax(wire["value"] >= 0x80))
+    apart = ((len(wire) - first) // 512 - begin - end) // (2 * len(OPENMPD_DAMAGES))
+    if apart < 3:
+        raise RuntimeError("the run is too short for all kinds of lost bytes: this machine is too busy")
     ranges = []
     for number, (offset, count) in enumerate(OPENMPD_DAMAGES.values()):
         frame = first + 512 * (begin + 2 * apart * number)
         ranges += [(frame + offset, count), (frame + 512 * apart, 512 - count)]
-    if max(at for at, _ in ranges) > len(wire) - 20 * 512:
-        raise RuntimeError("the run is too short for all kinds of lost bytes")
     again = wire.copy()
     again["at_s"] += wire["at_s"][-1] + 0.05
     return np.concatenate([without(wire, ranges), again]), float(again["at_s"][0])
 
 
-def damage_sonicsurface(wire, begin=3, apart=4):
+def damage_sonicsurface(wire, begin=3):
     frames = [at for at in np.flatnonzero(wire["value"] == 254) if at + 257 < len(wire) and wire["value"][at + 257] == 253
               and (wire["value"][at + 1:at + 257] < 32).any()]
-    if len(frames) < begin + apart * len(SONICSURFACE_DAMAGES):
-        raise RuntimeError(f"the run is too short for all kinds of lost bytes: {len(frames)} frames")
+    apart = (len(frames) - begin) // len(SONICSURFACE_DAMAGES)
+    if apart < 3:
+        raise RuntimeError("the run is too short for all kinds of lost bytes: this machine is too busy")
     return without(wire, [(frames[begin + apart * number] + offset, count) for number, (offset, count) in enumerate(SONICSURFACE_DAMAGES.values())])
 
 
