@@ -122,13 +122,19 @@ class Comparison:
         return found
 
     def usual_delay(self, matches):
-        """The delay of most frames, in half steps: a mixed frame may look proper. None without a proper frame."""
+        """The delay of most frames, in half steps: a mixed frame may look proper. If the differences then lie to one side, as those
+        of a board whose lag is no half step, it is the middle of them. None without a proper frame."""
         votes = {}
         for run, (_, delay, _) in matches.items():
             if self.proper[run][self.width[run] > 0].all():
                 delay = round(2 * delay) / 2 % self.steps
                 votes[delay] = votes.get(delay, 0) + self.pins.count[run]
-        return max(votes, key=votes.get) if votes else None
+        if not votes:
+            return None
+        delay = max(votes, key=votes.get)
+        rest = np.concatenate([wrap(difference - delay, self.steps)[(self.width[run] > 0) & ~self.board.uneven] for run, (_, _, difference) in matches.items()])
+        low, high = np.percentile(rest[np.abs(rest) < 1], [1, 99])
+        return delay + (low + high) / 2 if abs(low + high) > 0.03 else delay
 
     def judge(self, run, best, difference):
         """Which outputs sound, and which of them are wrong."""
