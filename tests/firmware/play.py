@@ -4,6 +4,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import time
 
 import numpy as np
 
@@ -48,6 +49,14 @@ def read_drives(file, settled=20):
     return np.unique(drives[settled:][(drives[settled:, :, 0] > 0).any(1)], axis=0)
 
 
+def rests(trace, seconds=0.5):
+    """Waits until the emulator has read all that palpa left in the line: it reads at the speed of a board."""
+    size = -1
+    while trace.stat().st_size != size:
+        size = trace.stat().st_size
+        time.sleep(seconds)
+
+
 class Player:
     """Runs palpa against its own emulators, each time in a new folder."""
 
@@ -69,6 +78,7 @@ class Player:
             with open(folder / "palpa.err", "wb") as err:
                 status = subprocess.run([self.palpa, *words, "--link", link.format(board.address), "--quiet"], env=environment, stdin=subprocess.DEVNULL,
                                         stderr=err, cwd=ROOT, check=False).returncode
+            rests(folder / "wire.jsonl")
             for report in board.end():
                 if report["violation_count"]:
                     raise RuntimeError(f"the emulator complains: {report['violations']}")
