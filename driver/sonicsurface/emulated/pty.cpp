@@ -50,6 +50,8 @@ Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
       ptsname_r(master_.get(), name.data(), name.size()) != 0)
     throw failure(fmt::format("cannot open a pseudo terminal: {}", std::strerror(errno)));
   path_ = name.data();
+  slave_ = Descriptor(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  if (!slave_) throw failure(fmt::format("{}: {}", path_, std::strerror(errno)));
   termios raw{};
   tcgetattr(master_.get(), &raw);
   cfmakeraw(&raw);
@@ -59,23 +61,19 @@ Pty::Pty() : master_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
 void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
                 const std::function<void(std::span<const std::uint8_t>)>& heard) const {
   std::array<std::uint8_t, most_at_once> bytes{};
-  double taken_s = 0;     // when the last bytes were there
-  bool listened = false;  // after the line was closed, the next program's speed may be different
+  double taken_s = 0;  // when the last bytes were there
+  double baud = 0;     // of the program that has the line
   while (!stop) {
     pollfd one{master_.get(), POLLIN, 0};
     if (poll(&one, 1, look_ms) <= 0) continue;
     const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
-    if (size <= 0) {  // no program has the other end open
-      listened = false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(look_ms));
-      continue;
-    }
+    if (size <= 0) continue;
     const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));
     taken_s = std::max(taken_s, monotonic_s()) + static_cast<double>(size) * byte_s;
     std::this_thread::sleep_for(std::chrono::duration<double>(taken_s - monotonic_s()));
     if (heard) heard(came);
     const std::lock_guard held(lock);
-    if (!std::exchange(listened, true)) boards.set_baud(monotonic_s(), baud_of(master_.get()));
+    if (const double now = baud_of(master_.get()); std::exchange(baud, now) != now) boards.set_baud(monotonic_s(), now);
     boards.take(monotonic_s(), came);
   }
 }

@@ -27,6 +27,7 @@ class Pty {
 
  private:
   Descriptor master_;
+  Descriptor slave_;  ///< stays open, because the last one that closes it takes what was not read yet
   std::string path_;
 };
 

@@ -350,6 +350,18 @@ TEST(SonicSurfaceEmulator, TakesBytesAtTheSpeedOfItsPort) {
   EXPECT_GE(monotonic_s() - begin_s, 0.9 * seconds_of(bytes.size()));
 }
 
+TEST(SonicSurfaceEmulator, TakesAllThatWasWrittenBeforeTheLineIsClosed) {
+  PALPA_TERMINAL_OR_SKIP();
+  test::SonicSurfaceLine line;
+  const std::vector<std::uint8_t> bytes(500, swap);
+  for (std::uint64_t program = 1; program <= 5; ++program) {
+    ASSERT_EQ(Line(line.path()).write(bytes), bytes.size());
+    EXPECT_TRUE(test::becomes(line.lock, [&] { return line.machine.swaps() == program * bytes.size(); }));
+  }
+  const std::lock_guard held(line.lock);
+  EXPECT_EQ(line.machine.violations().count(), 0U);
+}
+
 /// A pseudo terminal takes some frames more than its reader, as an adapter does that hangs.
 TEST(SonicSurfaceBoard, CountsNothingWhileTheLineTakesNoBytes) {
   PALPA_TERMINAL_OR_SKIP();
