@@ -122,8 +122,8 @@ class Comparison:
         return found
 
     def usual_delay(self, matches):
-        """The delay of most frames, in half steps: a mixed frame may look proper. If the differences then lie to one side, as those
-        of a board whose lag is no half step, it is the middle of them. None without a proper frame."""
+        """The delay of most frames, in half steps: a mixed frame may look proper. If the differences fit better around their middle,
+        as those of a board whose lag is no half step, it is that. None without a proper frame."""
         votes = {}
         for run, (_, delay, _) in matches.items():
             if self.proper[run][self.width[run] > 0].all():
@@ -133,8 +133,10 @@ class Comparison:
             return None
         delay = max(votes, key=votes.get)
         rest = np.concatenate([wrap(difference - delay, self.steps)[(self.width[run] > 0) & ~self.board.uneven] for run, (_, _, difference) in matches.items()])
-        low, high = np.percentile(rest[np.abs(rest) < 1], [1, 99])
-        return delay + (low + high) / 2 if abs(low + high) > 0.03 else delay
+        rest = rest[np.abs(rest) < 1]
+        middle = np.percentile(rest, [1, 99]).mean()
+        beyond = [(np.abs(rest - shift) > 0.51).sum() for shift in (0, middle)]
+        return delay + (middle if beyond[1] < beyond[0] else 0)
 
     def judge(self, run, best, difference):
         """Which outputs sound, and which of them are wrong."""
