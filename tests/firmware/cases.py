@@ -204,7 +204,9 @@ def sonicsurface_cases(stage, clone):
         pins = stage.simulate(simulator, board, [wire], 0.01)[0]
         comparison = Comparison(board, pins, drives, scaled)
         found = comparison.result()
-        stage.row(name, found, most_mixed=3 * int((wire["value"] == 253).sum()), **most)
+        # The tactile firmware's own modulation changes the outputs, too: between two of the runs of equal periods.
+        own_changes = found.runs // 10 if simulator == "tactile" else 0
+        stage.row(name, found, most_mixed=3 * int((wire["value"] == 253).sum()) + own_changes, **most)
         return comparison, found
 
     comparison, _ = case("default: a single focus at 200 Hz", "plain", board, *play("sonicsurface:{}", rig, single))
