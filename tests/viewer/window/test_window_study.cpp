@@ -225,7 +225,7 @@ TEST(StudyLine, RefusesWhatCannotBeASitting) {
 }
 
 TEST_F(WindowStudy, ALevelAboveTheLimitIsRefusedWithoutASignature) {
-  const fs::path plan = plan_in(folder_, "", "ceiling = 1\nlimit_db = 90\n");
+  const fs::path plan = plan_in(folder_, "", "ceiling = 1\nlimit_db = 100\n");
   expect_failure(run_program(PALPA_VIEWER_BINARY, line(plan), {on_screen()}), 2, "lower the ceiling of its [level]");
   EXPECT_FALSE(fs::exists(folder_ / "study")) << "nothing was begun";
 }
