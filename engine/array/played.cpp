@@ -18,9 +18,16 @@ void round_to(const AmplitudeSteps& steps, std::span<TransducerDrive> drive, flo
   }
 }
 
-void turn_on(const BoardType& type, std::span<TransducerDrive> drive, float ceiling) {
-  const double share = std::clamp<double>(ceiling, 0, 1) * (1 + rounding);
-  const auto on = static_cast<std::uint32_t>(std::floor(static_cast<double>(drive.size()) * share));
+/// With Round::down, the transducers that are on have less in sum than the drive asks for, because each is at full
+/// amplitude, and those that are on may be nearer to a focus than the others.
+void turn_on(const BoardType& type, std::span<TransducerDrive> drive, float ceiling, Round how) {
+  constexpr double nearer = 0.95;
+  double sum = 0;
+  for (const TransducerDrive& one : drive)
+    sum += std::clamp<double>(one.amplitude, 0, ceiling);
+  const double all = static_cast<double>(drive.size()) * std::clamp<double>(ceiling, 0, 1);
+  const double most = how == Round::down ? std::min(all, nearer * sum) : all;
+  const auto on = static_cast<std::uint32_t>(std::floor(most * (1 + rounding)));
   for (std::uint32_t t = 0; t < drive.size(); ++t)
     drive[t].amplitude = drive[t].amplitude > 0 && type.turn(t) < on ? 1.0f : 0.0f;
 }
@@ -40,6 +47,11 @@ BoardPlay::BoardPlay(const Layout& layout) {
   }
 }
 
+double BoardPlay::least_to_say() const {
+  constexpr double digits = 1e4;
+  return std::ceil(least_ * digits) / digits;
+}
+
 bool BoardPlay::sounds_at(double loudest) const {
   return loudest * (1 + rounding) >= least_;
 }
@@ -53,7 +65,7 @@ void BoardPlay::round(std::span<TransducerDrive> drive, double ceiling, Round ho
   for (const Part& part : parts_) {
     assert(part.first + part.count <= drive.size());
     const std::span<TransducerDrive> own = drive.subspan(part.first, part.count);
-    part.steps ? round_to(*part.steps, own, most, how) : turn_on(*part.type, own, most);
+    part.steps ? round_to(*part.steps, own, most, how) : turn_on(*part.type, own, most, how);
   }
 }
 

@@ -6,7 +6,8 @@
 //
 // It plays the step nearest to a that is not above c. With Round::down, it plays the highest step that is not above a.
 // If the board's n transducers are only on or off, those whose turn in its record is below floor(c n) are on, at
-// amplitude 1, unless the drive has them silent. A drive whose loudest amplitude is below the first step is silence.
+// amplitude 1, unless the drive has them silent. With Round::down, they are fewer, so that their sum is less than the
+// drive's. A drive whose loudest amplitude is below the first step is silence.
 //
 // The sound of a drive at its foci is therefore never more than at the ceiling, and with Round::down, that of a single
 // focus is never more than the drive asks for. Transducers of a layout that belong to no board play what they are
@@ -34,6 +35,8 @@ class BoardPlay {
 
   /// The least amplitude at which some board sounds, and the type of that board. 0 and null if the layout has no board.
   double least() const { return least_; }
+  /// The same for messages: rounded up, so that it sounds.
+  double least_to_say() const;
   const BoardType* finest() const { return finest_; }
   /// Whether a drive with this loudest amplitude sounds, as far as that does not depend on which transducers it leaves
   /// out.

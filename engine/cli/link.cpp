@@ -57,7 +57,8 @@ void add_options_of_link(CLI::App& app, LinkCommand& o) {
   group.integer("--last", o.last, 0, most, "last transducer to sound [the layout's last]");
   group.quantity("--each", o.each_s, Quantity::time, line::positive(3600), "how long each transducer sounds");
   group.quantity("--rest", o.rest_s, Quantity::time, {0, 3600}, "how long it is silent after each transducer");
-  group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05}, "time from one drive to the next");
+  group.quantity("--dwell", o.dwell_s, Quantity::time, {1e-3, 0.05},
+                 "time from one drive to the next; a link that needs longer gets it");
   group.number("--amplitude", o.amplitude, {0, 1}, "A", "amplitude of the transducer that sounds, 0 to 1");
   group.point(
       "--compare", o.compare,
@@ -160,8 +161,8 @@ std::uint32_t compare_boards(Sweep& sweep, const LinkCommand& o, const array::La
     for (int step = 0; step < compared_steps; ++step) {
       const double earlier = static_cast<double>(step) / compared_steps;
       if (tells)
-        write_file("-",
-                   fmt::format("boards 1 and {}, board {} earlier by {:.4f} periods\n", board + 1, board + 1, earlier));
+        write_file("-", fmt::format("boards 1 and {}, board {} another {:.4f} periods earlier\n", board + 1, board + 1,
+                                    earlier));
       if (!sweep.hold(posed, posed.boards[0], posed.boards[board], place, earlier, o.each_s)) return played;
       ++played;
       if (o.rest_s > 0 && !sweep.hold_silence(o.rest_s)) return played;
@@ -203,15 +204,18 @@ void run_link(const Extensions& extensions, const LinkCommand& o) {
   const Outputs outputs({{"--json", o.common.json}, {"--link", session::file_of_link(o.link, links)}});
   const bool tells = setup::shows_summary(o.common, outputs);
   const std::vector<std::string> nothing_solid;
-  session::LinkSetting setting{layout, nothing_solid, o.dwell_s};
+  // A slow link gets the time that it needs for a drive.
+  const double least_s = session::least_moving_slot_s(o.link, links, layout);
+  const double dwell_s = std::max(o.dwell_s, std::ceil(1e3 * least_s) * 1e-3);
+  session::LinkSetting setting{layout, nothing_solid, dwell_s};
   setting.board_files = o.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, setting);
 
   std::optional<log::Relay> relay(std::in_place);
   setup::Interrupt interrupt("ended without finishing, one second after the signal: the link did not answer");
   log::release_warnings();
-  session::SafeLink safe(*link, layout.transducers.size(), {}, o.dwell_s);
-  Sweep sweep(safe, layout.transducers.size(), o.dwell_s);
+  session::SafeLink safe(*link, layout.transducers.size(), {}, dwell_s);
+  Sweep sweep(safe, layout.transducers.size(), dwell_s);
   const std::uint32_t played = !o.compare.empty() ? compare_boards(sweep, o, own, layout, tells)
                                                   : sweep_transducers(sweep, o, last, own, layout, tells);
   safe.finish();

@@ -57,10 +57,13 @@ bool may_ask_pressure(const std::string& model) {
 
 }  // namespace
 
-double least_intensity(const geometry::Scene& scene) {
-  double least = 1;
-  for (const geometry::SceneMesh& mesh : scene.meshes)
-    least = std::min(least, mesh.haptics.intensity.value_or(1));
+LeastSound least_sound(const geometry::Scene& scene) {
+  LeastSound least;
+  for (const geometry::SceneMesh& mesh : scene.meshes) {
+    least.intensity = std::min(least.intensity, mesh.haptics.intensity.value_or(1));
+    if (const std::optional<double>& asked = mesh.haptics.pressure_pa)
+      least.pressure_pa = std::min(*asked, least.pressure_pa.value_or(*asked));
+  }
   return least;
 }
 
@@ -70,7 +73,9 @@ std::vector<Box> try_files(study::StudyPlan& plan) {
     const Activity work("reading " + shape.model);
     const geometry::Scene scene = geometry::load_gltf(shape.model);
     (void)solids_of(scene);
-    shape.intensity = least_intensity(scene);
+    const LeastSound least = least_sound(scene);
+    shape.intensity = least.intensity;
+    shape.pressure_pa = least.pressure_pa;
     boxes.push_back(geometry::box_of(scene));
   }
   if (plan.run.masking != "white" && plan.run.masking != "off") check_wav(plan.run.masking);

@@ -1,6 +1,7 @@
 // The plan of a study, with the files that it names.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,12 @@ namespace palpa::setup {
 /// study::read_plan and study::refuse_missing_files do.
 study::StudyPlan load_plan(const std::string& file);
 
-/// The least intensity of the scene's objects.
-double least_intensity(const geometry::Scene& scene);
+/// The least of what the scene's objects ask for.
+struct LeastSound {
+  double intensity = 1;
+  std::optional<double> pressure_pa{};  ///< empty: no object requests a pressure
+};
+LeastSound least_sound(const geometry::Scene& scene);
 
 /// Reads the models and the masking sound of a plan, as a sitting will. Fills the shapes' intensities. Returns the box
 /// around each shape's model (geometry::box_of). Throws bad_input for a model that is no scene with a solid, and for a

@@ -99,6 +99,15 @@ TEST(BoardPlay, APartOfTheTransducersOfABoardThatIsOnlyOnOrOffSounds) {
     for (const int quarter : quarters)
       EXPECT_NEAR(quarter, 64 * ceiling, 4) << ceiling;
   }
+  // With a requested pressure, their sum is less than what is asked.
+  Drive sloped(layout.transducers.size(), {0, 0});
+  double sum = 0;
+  for (std::size_t t = 0; t < sloped.size(); ++t)
+    sum += sloped[t].amplitude = 0.3f + 0.1f * static_cast<float>(t % 16) / 16;
+  const Drive down = played(layout, sloped, 1, Round::down);
+  const auto on = std::ranges::count(down, 1.0f, &TransducerDrive::amplitude);
+  EXPECT_LE(static_cast<double>(on), 0.95 * sum + 1e-6);
+  EXPECT_GT(static_cast<double>(on), 0.95 * sum - 1);
   Drive silent(layout.transducers.size(), {1, 0});
   silent[3].amplitude = 0;
   EXPECT_EQ(played(layout, silent, 1)[3].amplitude, 0);

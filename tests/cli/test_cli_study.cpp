@@ -186,7 +186,7 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   const std::string in_cube = "[0,-0.02,0]";
   EXPECT_NEAR(with_node("", in_cube), predicted["level_db"].get<double>(), 1e-9);
   for (const char* asks : {"palpa_pressure_pa", "\\u0070alpa_pressure_pa"}) {
-    EXPECT_GT(with_node(std::string(",\"extras\":{\"") + asks + "\":2000}", in_cube),
+    EXPECT_GT(with_node(std::string(",\"extras\":{\"") + asks + "\":20000}", in_cube),
               predicted["level_db"].get<double>() + 2);
     EXPECT_CONTAINS(palpa_here(line).out, "with equal amplitudes");
   }

@@ -101,7 +101,7 @@ TEST(LinkTest, ComparesTwoBoards) {
   const Result result = palpa({"link", "test", "--layout", "openmpd-pair", "--link", "record:" + file.string(),
                                "--compare", "0,0,119.4mm", "--each", "1ms", "--rest", "0", "--dwell", "1ms"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_CONTAINS(result.out, "boards 1 and 2, board 2 earlier by 0.0625 periods");
+  EXPECT_CONTAINS(result.out, "boards 1 and 2, board 2 another 0.0625 periods earlier");
   std::vector<array::Drive> steps;  // a late slot is played once more
   for (const RecordedDrive& one : read_drive_recording(file).drives) {
     if (one.drive[0].amplitude == 0) continue;

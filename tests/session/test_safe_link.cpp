@@ -105,7 +105,7 @@ TEST(SafeLink, ABoardGetsTheAmplitudesThatItHasAndOnlyWhatSoundsIsCounted) {
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_CONTAINS(
         lines[0].text,
-        "the array is silent: the loudest amplitude is 0.02, and the least that OpenMPD boards play is 0.0245");
+        "the array is silent: the loudest amplitude is 0.02, and the least that OpenMPD boards play is 0.0246");
     play(0.02, 2);
     play(0, 3);
     EXPECT_TRUE(log.take().empty()) << "once, and not of a ceiling of zero";

@@ -237,16 +237,21 @@ TEST(EarLevel, APlanWhoseBoardsWouldBeSilentIsRefused) {
   refuse_silent(plan);
   plan.shapes[1].intensity = 0.5;
   EXPECT_ERROR(refuse_silent(plan), Exit::usage,
-               "times the intensity 0.5 of '" + plan.shapes[1].name + "' is 0.012, below 0.0245");
+               "times the intensity 0.5 of '" + plan.shapes[1].name + "' is 0.0123, below 0.0246");
   plan.shapes[1].intensity = 1;
   plan.level.ceiling = 0.0244;
   EXPECT_ERROR(refuse_silent(plan), Exit::usage,
-               "the ceiling of [level] is 0.0244, below 0.0245, the least amplitude that the OpenMPD boards");
+               "the ceiling of [level] is 0.0244, below 0.0246, the least amplitude that the OpenMPD boards");
   plan.level.ceiling = 0.04;
   plan.level.measured_ceiling = 0.02;
   refuse_silent(plan);
   plan.level.measured_db = 100;
   EXPECT_ERROR(refuse_silent(plan), Exit::usage, "measured_ceiling of [level] is 0.02");
+  plan.level.measured_db.reset();
+  plan.shapes[2].pressure_pa = 50;  // a hundredth of what the board gives, at most
+  EXPECT_ERROR(refuse_silent(plan), Exit::usage, "times the amplitude for the 50 Pa of '" + plan.shapes[2].name + "'");
+  plan.shapes[2].pressure_pa = 1e5;
+  refuse_silent(plan);
   plan = plan_on("sonicsurface", 0.0039);
   EXPECT_ERROR(refuse_silent(plan), Exit::usage, "the least amplitude that the SonicSurface boards");
   refuse_silent(plan_on("sonicsurface", 1.0 / 256));

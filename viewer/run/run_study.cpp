@@ -56,7 +56,8 @@ study::EarLevel level_of(study::StudyPlan plan, const StudyShapes& shapes, const
   std::vector<Box> objects;
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     objects.push_back(shapes.shapes[i].box);
-    plan.shapes[i].intensity = shapes.shapes[i].intensity;
+    plan.shapes[i].intensity = shapes.shapes[i].least.intensity;
+    plan.shapes[i].pressure_pa = shapes.shapes[i].least.pressure_pa;
   }
   std::optional<array::Layout> placed;
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/sha256.hpp"
-#include "setup/study_plan.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 
 namespace palpa::viewer {
@@ -23,7 +22,7 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
     std::uint32_t groups = 0;
     geometry::Scene scene = geometry::load_gltf(plan.shapes[shape].model);
     own.box = geometry::box_of(scene);
-    own.intensity = setup::least_intensity(scene);
+    own.least = setup::least_sound(scene);
     for (geometry::SceneMesh& mesh : scene.meshes) {
       mesh.name = solid_name(plan, shape);
       mesh.copy.reset();

@@ -11,6 +11,7 @@
 #include "base/math.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/skin_point.hpp"
+#include "setup/study_plan.hpp"
 #include "study/plan/plan.hpp"
 
 namespace palpa::viewer {
@@ -18,8 +19,8 @@ namespace palpa::viewer {
 /// One shape of the plan.
 struct StudyShape {
   std::string model_sha256;
-  Box box;               ///< around its meshes, metres, world
-  double intensity = 1;  ///< the least of its objects
+  Box box;  ///< around its meshes, metres, world
+  setup::LeastSound least{};
 };
 
 struct StudyShapes {

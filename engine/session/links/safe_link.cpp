@@ -168,9 +168,9 @@ void SafeLink::warn_if_faint(float loudest) {
   const bool faint = loudest > 0 && !boards_->sounds_at(loudest);
   if (faint && !faint_) {
     log::warning(fmt::format(
-        "the array is silent: the loudest amplitude is {:.2g}, and the least that {} boards play is {:.3g}; raise the "
+        "the array is silent: the loudest amplitude is {:.3g}, and the least that {} boards play is {:g}; raise the "
         "ceiling, the gain or the pressure",
-        loudest, boards_->finest()->title, boards_->least()));
+        loudest, boards_->finest()->title, boards_->least_to_say()));
   }
   faint_ = faint;
 }

@@ -24,8 +24,9 @@ const array::Schedule& PlayedParts::correct(const Plan& plan) {
     const auto heard = [&](std::span<const array::TransducerDrive> sound) {
       return std::abs(acoustics::pressure_at(layout_, sound, focus.position, medium_, directivity_));
     };
-    const double asked_pa = heard(drive) * ceiling;
-    if (asked_pa > 0) *voice.reached_pa *= heard(drive_) / asked_pa;
+    // Not between the crests of a modulation, where the sound is that of other foci.
+    const double asked_pa = heard(drive);
+    if (asked_pa > 0 && asked_pa >= 0.5 * *voice.reached_pa) *voice.reached_pa *= heard(drive_) / (asked_pa * ceiling);
   }
   return schedule_;
 }

@@ -23,6 +23,7 @@ struct PlanShape {
   std::string model_sha256{};                   ///< of the file, if it was read (setup::load_plan)
   bool asks_pressure = false;                   ///< whether the model may ask for a pressure at foci, if it was read
   double intensity = 1;                         ///< the least of the model's objects, if it was read
+  std::optional<double> pressure_pa{};          ///< the least that an object of it requests, if it was read
   std::map<std::string, std::string> labels{};  ///< what participants read instead of the name, by language
 };
 

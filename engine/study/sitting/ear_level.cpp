@@ -12,6 +12,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
+#include "acoustics/field/pressure.hpp"
 #include "array/directivity.hpp"
 #include "array/drive.hpp"
 #include "array/played.hpp"
@@ -281,18 +282,23 @@ void refuse_silent(const StudyPlan& plan, const array::Layout* placed) {
     const auto refuse = [&](double amplitude, const std::string& what) {
       if (boards.sounds_at(amplitude)) return;
       throw bad_usage(
-          fmt::format("{}: {}, below {:.3g}, the least amplitude that the {} boards of {} play: they would be "
-                      "silent",
-                      plan.file, what, boards.least(), boards.finest()->title, layout.name));
+          fmt::format("{}: {}, below {:g}, the least amplitude that the {} boards of {} play: they would be silent",
+                      plan.file, what, boards.least_to_say(), boards.finest()->title, layout.name));
     };
     refuse(plan.level.ceiling, fmt::format("the ceiling of [level] is {:g}", plan.level.ceiling));
     if (plan.level.measured_db)
       refuse(plan.level.measured_ceiling,
              fmt::format("measured_ceiling of [level] is {:g}", plan.level.measured_ceiling));
+    const array::SlotFocus focus{};
+    const double full_pa = std::abs(acoustics::pressure_at(layout, array::drive_for(layout, {&focus, 1}), {}));
     for (const PlanShape& shape : plan.shapes) {
       const double amplitude = plan.level.ceiling * shape.intensity;
-      refuse(amplitude, fmt::format("the ceiling {:g} times the intensity {:g} of '{}' is {:.2g}", plan.level.ceiling,
+      refuse(amplitude, fmt::format("the ceiling {:g} times the intensity {:g} of '{}' is {:.3g}", plan.level.ceiling,
                                     shape.intensity, printable(shape.name), amplitude));
+      if (!shape.pressure_pa) continue;
+      const double asked = amplitude * std::min(1.0, *shape.pressure_pa / full_pa);
+      refuse(asked, fmt::format("the ceiling {:g} times the amplitude for the {:g} Pa of '{}' is {:.3g}",
+                                plan.level.ceiling, *shape.pressure_pa, printable(shape.name), asked));
     }
   }
 }
