@@ -204,6 +204,7 @@ void run_link(const Extensions& extensions, const LinkCommand& o) {
   const Outputs outputs({{"--json", o.common.json}, {"--link", session::file_of_link(o.link, links)}});
   const bool tells = setup::shows_summary(o.common, outputs);
   const std::vector<std::string> nothing_solid;
+  session::check_board_files(o.link, links, o.board_files);
   // A slow link gets the time that it needs for a drive.
   const double least_s = session::least_moving_slot_s(o.link, links, layout);
   const double dwell_s = std::max(o.dwell_s, std::ceil(1e3 * least_s) * 1e-3);
