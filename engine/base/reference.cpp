@@ -41,6 +41,12 @@ void allow_outside_references(bool allowed) {
   outside_allowed = allowed;
 }
 
+std::array<fs::path, 2> readings_of(const std::string& reference, const fs::path& folder) {
+  std::string with_slashes = reference;
+  std::ranges::replace(with_slashes, '\\', '/');
+  return {folder / reference, folder / with_slashes};
+}
+
 ReferenceFolder::ReferenceFolder(std::string naming, const fs::path& folder)
     : naming_(std::move(naming)), folder_(folder), root_(resolved(folder.empty() ? fs::path(".") : folder)) {}
 
@@ -57,10 +63,13 @@ bool ReferenceFolder::holds(const fs::path& path) {
 }
 
 fs::path ReferenceFolder::find(const std::string& reference, const std::string& what) {
-  std::string name = reference;
-  std::ranges::replace(name, '\\', '/');
-  fs::path path = folder_ / name;
-  if (outside_allowed || holds(path)) return path;
+  const auto [as_written, with_slashes] = readings_of(reference, folder_);
+  const auto is_allowed = [&](const fs::path& path) { return outside_allowed || holds(path); };
+  std::error_code fault;
+  // Whether a file outside exists is asked only if that is allowed.
+  const auto is_meant = [&] { return as_written == with_slashes || fs::exists(fs::symlink_status(as_written, fault)); };
+  if (is_allowed(as_written) && is_meant()) return as_written;
+  if (is_allowed(with_slashes)) return with_slashes;
   throw bad_input(naming_, fmt::format("{}: \"{}\" leads out of the folder of this file; --allow-outside permits that",
                                        what, printable(reference, 60)));
 }

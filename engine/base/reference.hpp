@@ -3,6 +3,7 @@
 // naming file.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -13,16 +14,20 @@ namespace palpa {
 /// not references, and a rig's masks and layouts are not checked here: `calibrate --out` writes their full paths.
 void allow_outside_references(bool allowed);
 
+/// The files in `folder` that a reference may mean: the one of exactly this name, which is meant if it exists, and the
+/// one for which a backslash is a slash, as programs for Windows write it. Both are the same without a backslash.
+std::array<std::filesystem::path, 2> readings_of(const std::string& reference, const std::filesystem::path& folder);
+
 /// The folder that the references of one file start from.
 class ReferenceFolder {
  public:
   /// `naming` is the file that holds the references, for messages. References are relative to `folder`.
   ReferenceFolder(std::string naming, const std::filesystem::path& folder);
 
-  /// The path of the file that `reference` names, to be opened unchanged. A backslash, which programs for Windows
-  /// write, is a slash. Throws bad_input if the path, with symbolic links and ".." resolved, is not in the folder or
-  /// below it. The message names the file and `what` contains the reference ("buffer 0"). Nothing is opened, and the
-  /// error does not reveal whether anything exists outside.
+  /// The path of the file that `reference` names, see readings_of(), to be opened unchanged. Throws bad_input if the
+  /// path, with symbolic links and ".." resolved, is not in the folder or below it. The message names the file and
+  /// `what` contains the reference ("buffer 0"). Nothing is opened, and the error does not reveal whether anything
+  /// exists outside.
   std::filesystem::path find(const std::string& reference, const std::string& what);
 
  private:

@@ -136,6 +136,10 @@ std::string plural(std::uint64_t n, std::string_view one) {
   return replace(0, hisses ? "es" : "s");
 }
 
+std::string first_is(std::string_view first, std::uint64_t count) {
+  return count == 1 ? fmt::format("{} is", first) : fmt::format("{} and {} are", first, counted(count - 1, "other"));
+}
+
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";

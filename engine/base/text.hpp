@@ -33,6 +33,8 @@ std::string shortened(const std::string& text, std::size_t most);
 std::string counted(std::uint64_t n, std::string_view one);
 /// The same word without the number: "frame" for 1, otherwise "frames".
 std::string plural(std::uint64_t n, std::string_view one);
+/// "node 3 is", "node 3 and 1 other are", "node 3 and 2 others are": `count` things, the first of which has a name.
+std::string first_is(std::string_view first, std::uint64_t count);
 
 /// A text as a cell of a CSV file, quoted if it would otherwise be split.
 std::string csv_cell(const std::string& text);

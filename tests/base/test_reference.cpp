@@ -46,6 +46,12 @@ TEST_F(ReferenceTest, ReferencesWithinTheFolderAreFollowed) {
                              "no/such/file", "link-in", "folder-in/below", "folder-in/../beside", "deep//below"})
     EXPECT_EQ(ReferenceFolder("m", folder_).find(inside, "buffer 0"), folder_ / inside) << inside;
   EXPECT_EQ(ReferenceFolder("m", folder_).find("deep\\below", "x"), folder_ / "deep/below") << "written on Windows";
+  // A file of exactly this name is meant, if there is one in the folder; none outside is looked for.
+  write_file(folder_ / "deep\\below", "x");
+  EXPECT_EQ(ReferenceFolder("m", folder_).find("deep\\below", "x"), folder_ / "deep\\below");
+  EXPECT_EQ(ReferenceFolder("m", folder_).find("deep\\no", "x"), folder_ / "deep/no");
+  write_file(top_ / "a\\b", "x");
+  EXPECT_EQ(ReferenceFolder("m", folder_).find("..\\scene\\beside", "x"), folder_ / "../scene/beside");
   // An absolute name of a file inside, and a folder with another name.
   EXPECT_EQ(ReferenceFolder("m", folder_).find((folder_ / "beside").string(), "x"), folder_ / "beside");
   EXPECT_EQ(ReferenceFolder("m", top_ / "scene-link").find("beside", "x"), top_ / "scene-link/beside");
@@ -59,8 +65,8 @@ TEST_F(ReferenceTest, ReferencesOutOfTheFolderAreRefused) {
         std::string("folder-out/secret"), std::string("deep/link-to-link"), std::string("dangling-out"),
         std::string("../scene-of-another/x"), std::string("../absent"), std::string(".."), std::string("deep/../.."),
         std::string("folder-in/../../secret"), std::string("no/../../absent"), std::string("/dev/zero"),
-        std::string("/etc/hostname"), std::string("..\\secret"), std::string("deep\\..\\..\\secret"),
-        (top_ / "secret").string()}) {
+        std::string("/etc/hostname"), std::string("..\\secret"), std::string("../a\\b"),
+        std::string("deep\\..\\..\\secret"), (top_ / "secret").string()}) {
     const Error error = fault(outside);
     EXPECT_EQ(error.code(), Exit::bad_input) << outside;
     EXPECT_EQ(std::string(error.what()).rfind("scene/model.gltf: buffer 3: \"" + outside.substr(0, 20), 0), 0u)

@@ -58,6 +58,8 @@ TEST(Text, ThingsAreCounted) {
   EXPECT_EQ(counted(4, "vertex") + counted(1, "body") + counted(5, "body"), "4 vertices1 body5 bodies");
   EXPECT_EQ(counted(2, "touch") + counted(2, "process") + counted(2, "day") + counted(2, "survey"),
             "2 touches2 processes2 days2 surveys");
+  EXPECT_EQ(first_is("node 3", 1) + "; " + first_is("node 3", 2) + "; " + first_is("node 3", 3),
+            "node 3 is; node 3 and 1 other are; node 3 and 2 others are");
   EXPECT_EQ(plural(1, "case") + plural(12, "case"), "casecases");
 }
 

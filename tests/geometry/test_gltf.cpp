@@ -64,7 +64,12 @@ TEST(Gltf, EmbeddedBesideAndBinaryGiveTheSame) {
     std::filesystem::copy_file(file("b data.bin"), file("parts") / "e.bin",
                                std::filesystem::copy_options::overwrite_existing);
     test::write_text(file("e.gltf"), "\xEF\xBB\xBF" + builder.text("parts\\e.bin"));
-    for (const char* name : {"a.gltf", "b.gltf", "c.glb", "d.gltf", "e.gltf"}) {
+    // A file whose own name has a backslash: as it is, and escaped for a URI.
+    std::filesystem::copy_file(file("b data.bin"), file("parts\\f.bin"),
+                               std::filesystem::copy_options::overwrite_existing);
+    test::write_text(file("f.gltf"), builder.text("parts\\f.bin"));
+    test::write_text(file("g.gltf"), builder.text("parts%5Cf.bin"));
+    for (const char* name : {"a.gltf", "b.gltf", "c.glb", "d.gltf", "e.gltf", "f.gltf", "g.gltf"}) {
       const Scene scene = load_gltf(file(name));
       EXPECT_EQ(scene.file, file(name).string());
       ASSERT_EQ(scene.meshes.size(), 1U) << name;
@@ -247,7 +252,7 @@ TEST(Gltf, HiddenNodesStayTouchableWithAWarning) {
   const int child = builder.add_node({{"mesh", 0}, {"extensions", shown}}, false);
   builder.add_node({{"mesh", 0}, {"children", {child}}, {"extensions", hidden}});
   builder.doc["extensionsRequired"] = {"KHR_node_visibility"};
-  EXPECT_CONTAINS(warnings_of(builder, 2), "node 1 and 1 others are hidden (KHR_node_visibility), but still touchable");
+  EXPECT_CONTAINS(warnings_of(builder, 2), "node 1 and 1 other are hidden (KHR_node_visibility), but still touchable");
   builder.doc["nodes"][1]["extensions"] = shown;
   EXPECT_EQ(warnings_of(builder, 2), "");
   builder.doc["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = 0;
@@ -260,24 +265,27 @@ TEST(Gltf, AScaleOfZeroAlongAllAxesHidesAMesh) {
   builder.add_node({{"mesh", 0}, {"scale", {0, 0, 0.0}}, {"name", "hidden"}, {"children", {child}}});
   builder.add_node({{"mesh", 0}, {"name", "shown"}});
   EXPECT_EQ(load(builder).meshes.at(0).name, "shown");
-  EXPECT_CONTAINS(warnings_of(builder), "node 1 and 1 others are left out: a scale of zero along all axes");
+  EXPECT_CONTAINS(warnings_of(builder), "node 1 and 1 other are hidden by a scale of zero along all axes and left out");
   // As a matrix.
   builder.doc["nodes"][1].erase("children");
   builder.doc["nodes"][1].erase("scale");
   builder.doc["nodes"][1]["matrix"] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 5, 6, 7, 1};
-  EXPECT_CONTAINS(warnings_of(builder), "node 1 is left out");
+  EXPECT_CONTAINS(warnings_of(builder), "node 1 is hidden by a scale");
   // One of three instances.
   GltfBuilder crates = instanced_file();
   const int scales = crates.add_view(test::bytes_of(std::vector<float>{1, 1, 1, 0, 0, 0, 2, 2, 2}));
   crates.doc["accessors"][4]["bufferView"] = scales;
-  EXPECT_CONTAINS(warnings_of(crates, 2), "node 0, instance 1 is left out");
+  EXPECT_CONTAINS(warnings_of(crates, 2), "node 0, instance 1 is hidden");
   EXPECT_EQ(load(crates).meshes.at(1).name, "crate[2]");
   // Two axes are no way to hide anything.
   GltfBuilder flat = cube_file();
   flat.add_node({{"mesh", 0}, {"scale", {0, 1, 0}}});
   EXPECT_CONTAINS(fault_of(flat), "node 0: its scale is zero along some direction");
+  // If nothing else is left, that is the fault.
   flat.doc["nodes"][0]["scale"] = {0, 0, 0};
-  EXPECT_CONTAINS(fault_of(flat), "no triangle mesh");
+  EXPECT_CONTAINS(fault_of(flat), "no mesh is left: node 0 is hidden by a scale of zero along all axes; give one that");
+  flat.add_node({{"mesh", 0}, {"scale", {0, 0, 0}}});
+  EXPECT_CONTAINS(fault_of(flat), "no mesh is left: node 0 and 1 other are hidden by a scale of zero");
 }
 
 TEST(Gltf, InstancesOfAnotherProgramAreRead) {

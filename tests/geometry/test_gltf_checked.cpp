@@ -90,6 +90,19 @@ TEST(CheckedGltf, WholeNumbersMayBeWrittenWithAPoint) {
   }
 }
 
+TEST(CheckedGltf, ZeroMayHaveAMinus) {
+  const auto file = full_file().write_embedded(test::scratch_folder("gltf-checked") / "zero.gltf");
+  std::string text = test::read_text(file);
+  const auto zeros = {"\"mesh\":0", "\"skin\":0", "\"byteOffset\":0", "\"buffer\":0", "\"scene\":0"};
+  for (const std::string zero : zeros) {
+    ASSERT_NE(text.find(zero), std::string::npos) << zero;
+    for (std::size_t at = text.find(zero); at != std::string::npos; at = text.find(zero, at + 1))
+      text.insert(at + zero.size() - 1, "-");
+  }
+  test::write_text(file, text);
+  expect_same(load_gltf(file), load(full_file()));
+}
+
 TEST(CheckedGltf, NumbersThatAreNoNumbersAreRefused) {
   expect_faults(full_file(), {{"/meshes/0/primitives/0/mode", "\"4\"", "\"mode\" is not a whole number"},
                               {"/meshes/0/primitives/0/indices", "\"1\"", "\"indices\" is not an index"},

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -236,25 +237,15 @@ double stored(const draco::PointAttribute& attribute, draco::AttributeValueIndex
 
 using Stored = double (*)(const draco::PointAttribute&, draco::AttributeValueIndex, std::size_t);
 
+// nullptr for types that glTF does not have.
 Stored reader_of(draco::DataType type) {
-  switch (type) {
-    case draco::DT_INT8:
-      return stored<std::int8_t>;
-    case draco::DT_UINT8:
-      return stored<std::uint8_t>;
-    case draco::DT_INT16:
-      return stored<std::int16_t>;
-    case draco::DT_UINT16:
-      return stored<std::uint16_t>;
-    case draco::DT_INT32:
-      return stored<std::int32_t>;
-    case draco::DT_UINT32:
-      return stored<std::uint32_t>;
-    case draco::DT_FLOAT32:
-      return stored<float>;
-    default:
-      return nullptr;
-  }
+  static constexpr std::pair<draco::DataType, Stored> readers[]{
+      {draco::DT_INT8, stored<std::int8_t>},   {draco::DT_UINT8, stored<std::uint8_t>},
+      {draco::DT_INT16, stored<std::int16_t>}, {draco::DT_UINT16, stored<std::uint16_t>},
+      {draco::DT_INT32, stored<std::int32_t>}, {draco::DT_UINT32, stored<std::uint32_t>},
+      {draco::DT_FLOAT32, stored<float>}};
+  const auto found = std::ranges::find(readers, type, &std::pair<draco::DataType, Stored>::first);
+  return found == std::end(readers) ? nullptr : found->second;
 }
 
 std::string copy_attribute(const draco::Mesh& mesh, const DracoAttribute& wanted, std::vector<double>& values) {

@@ -16,6 +16,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "geometry/gltf/draco.hpp"
 #include "geometry/gltf/model.hpp"
 #include "geometry/gltf/values.hpp"
@@ -79,11 +80,13 @@ class SceneReader {
   Scene read() {
     for (const std::uint32_t n : document_.shown)
       add(n, model_.nodes[n]);
-    if (vanished_count_ > 0) {
-      log::warning(fmt::format("{}: {}{} left out: a scale of zero along all axes hides a mesh", scene_.file,
-                               first_vanished_,
-                               vanished_count_ == 1 ? " is" : fmt::format(" and {} others are", vanished_count_ - 1)));
+    if (vanished_count_ == 0) return std::move(scene_);
+    const std::string hidden = first_is(first_vanished_, vanished_count_) + " hidden by a scale of zero along all axes";
+    if (scene_.meshes.empty()) {
+      fail(fmt::format("no mesh is left: {}; give one that is to be touched, and the nodes above it, another scale",
+                       hidden));
     }
+    log::warning(fmt::format("{}: {} and left out", scene_.file, hidden));
     return std::move(scene_);
   }
 
@@ -193,12 +196,9 @@ class SceneReader {
       out.mesh = build(node.mesh, node.weights, T_world_bind);
       return out;
     }
-    const std::pair key(node.mesh, node.skin);
-    auto known = meshes_.find(key);
-    if (known == meshes_.end()) {
-      Shared shared{build(node.mesh, {}, T_world_bind), static_cast<std::uint32_t>(meshes_.size())};
-      known = meshes_.emplace(key, std::move(shared)).first;
-    }
+    const auto number = static_cast<std::uint32_t>(meshes_.size());
+    const auto [known, fresh] = meshes_.try_emplace({node.mesh, node.skin});
+    if (fresh) known->second = {build(node.mesh, {}, T_world_bind), number};
     out.mesh = known->second.mesh;
     out.copy = CopyOf{known->second.number, Transform(1)};
     return out;
@@ -276,14 +276,14 @@ class SceneReader {
 
   // Computed once, even if several nodes use the skin.
   const Bones& bones_of(int s) {
-    const auto known = bones_.find(s);
-    if (known != bones_.end()) return known->second;
+    const auto [known, fresh] = bones_.try_emplace(s);
+    Bones& bones = known->second;
+    if (!fresh) return bones;
     const tinygltf::Skin& skin = gltf::at(model_.skins, s);
     log::debug(fmt::format("{}: skin {} of {} joints", scene_.file, s, skin.joints.size()));
     std::vector<double> inverse;
     // A file may have many skins that share many matrices.
     if (skin.inverseBindMatrices >= 0) inverse = values_.numbers(skin.inverseBindMatrices, skin.joints.size());
-    Bones bones;
     bones.T_world_bind.reserve(skin.joints.size());
     for (std::size_t j = 0; j < skin.joints.size(); ++j) {
       bones.T_world_bind.push_back(world_transform(static_cast<std::uint32_t>(skin.joints[j])));
@@ -291,7 +291,7 @@ class SceneReader {
     }
     bones.mirrored = std::all_of(bones.T_world_bind.begin(), bones.T_world_bind.end(),
                                  [](const Transform& T) { return glm::determinant(glm::dmat3(T)) < 0; });
-    return bones_.emplace(s, std::move(bones)).first->second;
+    return bones;
   }
 
   // All primitives together, morphed by the node's weights (else the mesh's), and moved by its bones, if any.
@@ -425,13 +425,7 @@ class SceneReader {
                                 const std::optional<Unpacked>& unpacked) const {
     const int accessor = primitive.attributes.at(name);
     if (!unpacked || !unpacked->values.contains(name)) return values_.numbers(accessor);
-    std::vector<double> values = unpacked->mesh->values[unpacked->values.at(name)];
-    const tinygltf::Accessor& a = gltf::at(model_.accessors, accessor);
-    if (a.normalized) {
-      for (double& value : values)
-        value = gltf::normalized_value(value, a.componentType);
-    }
-    return values;
+    return values_.normalized(accessor, unpacked->mesh->values[unpacked->values.at(name)]);
   }
 
   std::vector<Vec3> positions(const tinygltf::Primitive& primitive, const std::optional<Unpacked>& unpacked) const {

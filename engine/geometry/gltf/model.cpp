@@ -32,7 +32,7 @@ std::vector<unsigned char> load(const Source& source, std::size_t index) {
   if (!buffer.packed) return load_buffer(source.file, source.container.bin, index, buffer);
   const MeshoptBufferView& view = *buffer.packed;
   const std::span<const unsigned char> packed(source.model.buffers[view.buffer].data);
-  return unpack_buffer(source.file, view, packed.subspan(view.offset, view.length));
+  return unpack_meshopt(source.file.name(), view, packed.subspan(view.offset, view.length));
 }
 
 // tinygltf calls back for every buffer; no file is opened here by a name. All callbacks must be set, and versions

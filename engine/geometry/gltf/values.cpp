@@ -47,6 +47,13 @@ std::size_t component_size(int component) {
   return static_cast<std::size_t>(tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component)));
 }
 
+double normalized_value(double integer, int component) {
+  if (component > TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return integer;
+  const bool is_signed = component == TINYGLTF_COMPONENT_TYPE_BYTE || component == TINYGLTF_COMPONENT_TYPE_SHORT;
+  const unsigned most = (1U << (8 * component_size(component) - (is_signed ? 1 : 0))) - 1;
+  return std::max(integer / most, -1.0);
+}
+
 }  // namespace
 
 void Values::fail(int accessor, const std::string& fault) const {
@@ -91,13 +98,15 @@ std::vector<T> Values::read(int accessor, std::size_t most) const {
 }
 
 std::vector<double> Values::numbers(int accessor, std::size_t most) const {
-  std::vector<double> values = read<double>(accessor, most);
+  return normalized(accessor, read<double>(accessor, most));
+}
+
+std::vector<double> Values::normalized(int accessor, std::vector<double> stored) const {
   const tinygltf::Accessor& a = at(model_.accessors, accessor);
-  if (a.normalized) {
-    for (double& value : values)
-      value = normalized_value(value, a.componentType);
-  }
-  return values;
+  if (!a.normalized) return stored;
+  for (double& value : stored)
+    value = normalized_value(value, a.componentType);
+  return stored;
 }
 
 std::vector<std::uint32_t> Values::indices(int accessor, std::size_t vertices) const {
@@ -124,21 +133,6 @@ void Values::check_bounds(int accessor, const Box& box) const {
       continue;
     log::warning(fmt::format("{}: accessor {}: its min and max do not match its positions", file_, accessor));
     break;
-  }
-}
-
-double normalized_value(double integer, int component) {
-  switch (component) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return std::max(integer / 127.0, -1.0);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return integer / 255.0;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return std::max(integer / 32767.0, -1.0);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return integer / 65535.0;
-    default:
-      return integer;
   }
 }
 

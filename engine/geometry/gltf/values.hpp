@@ -20,9 +20,11 @@ class Values {
   /// Both arguments must outlive it. The model has been checked.
   Values(const std::string& file, const tinygltf::Model& model) : file_(file), model_(model) {}
 
-  /// The accessor's numbers of each element, one element after the other, of at most `most` elements. Floats are
-  /// unchanged; integers go through normalized_value() if the accessor is normalized.
+  /// The accessor's numbers of each element, one element after the other, of at most `most` elements, normalized.
   std::vector<double> numbers(int accessor, std::size_t most = any_count) const;
+  /// Such numbers as they are stored: if the accessor is normalized, integers become 0 to 1, signed ones -1 to 1 (glTF
+  /// 2.0 section 3.6.2.2).
+  std::vector<double> normalized(int accessor, std::vector<double> stored) const;
   /// The index list of a primitive with `vertices` vertices.
   std::vector<std::uint32_t> indices(int accessor, std::size_t vertices) const;
   std::span<const unsigned char> bytes(int view) const;
@@ -38,9 +40,6 @@ class Values {
   const std::string& file_;
   const tinygltf::Model& model_;
 };
-
-/// The value of an integer in a normalized accessor: unsigned 0 to 1, signed -1 to 1 (glTF 2.0 section 3.6.2.2).
-double normalized_value(double integer, int component);
 
 /// Triangles of `vertices` (0, 1, 2, ... or an index list) as list (mode 4), strip (5) or fan (6). Remaining vertices
 /// of an incomplete triangle are dropped. glTF 2.0 section 3.7.2.1.

@@ -66,10 +66,6 @@ struct Document {
   std::string binary;
 };
 
-std::string told(const std::filesystem::path& file, const SceneMesh& item) {
-  return file.string() + ": mesh " + text::quoted(item.name);
-}
-
 void add_positions(Document& document, Item& item, const std::string& what) {
   item.positions = document.binary.size();
   item.least.fill(std::numeric_limits<float>::infinity());
@@ -110,7 +106,7 @@ std::size_t add_node(Document& document, Node node) {
 
 /// Returns the index of its node.
 std::size_t add_mesh(Document& document, const SceneMesh& mesh, const std::filesystem::path& file) {
-  const std::string what = told(file, mesh);
+  const std::string what = file.string() + ": mesh " + text::quoted(mesh.name);
   if (mesh.mesh.triangles.empty()) throw failure(what + " has no triangles to write");
   Item item{&mesh};
   add_positions(document, item, what);
@@ -286,15 +282,14 @@ void write_glb(const std::filesystem::path& file, std::span<const SceneMesh> mes
     throw failure(file.string() + ": more than 4 GiB do not fit into a .glb file");
   std::string bytes;
   bytes.reserve(size);
-  append_value(bytes, kMagic);
-  append_value(bytes, kVersion);
-  append_value(bytes, static_cast<std::uint32_t>(size));
-  append_value(bytes, static_cast<std::uint32_t>(text.size()));
-  append_value(bytes, kJsonChunk);
+  const auto append_words = [&](std::initializer_list<std::uint64_t> words) {
+    for (const std::uint64_t word : words)
+      append_value(bytes, static_cast<std::uint32_t>(word));
+  };
+  append_words({kMagic, kVersion, size, text.size(), kJsonChunk});
   bytes += text;
   if (has_binary) {
-    append_value(bytes, static_cast<std::uint32_t>(document.binary.size()));
-    append_value(bytes, kBinChunk);
+    append_words({document.binary.size(), kBinChunk});
     bytes += document.binary;
   }
   write_file(file, bytes);

@@ -21,10 +21,6 @@ std::optional<std::string> uri_fault(const std::string& uri);
 std::vector<unsigned char> load_buffer(const InputFile& file, const std::optional<BinChunk>& bin, std::size_t index,
                                        const BufferSource& source);
 
-/// The bytes of a packed buffer; bad_input if they cannot be unpacked.
-std::vector<unsigned char> unpack_buffer(const InputFile& file, const MeshoptBufferView& view,
-                                         std::span<const unsigned char> packed);
-
 /// "%20" becomes a space. nullopt for a '%' without two hexadecimal digits, and for %00.
 std::optional<std::string> decode_percent(std::string_view text);
 

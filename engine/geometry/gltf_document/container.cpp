@@ -35,41 +35,34 @@ std::uint32_t word_at(const InputFile& file, std::uint64_t offset) {
 }
 
 Container read_glb(const InputFile& file) {
-  if (file.size() < header_size) throw bad_input(file.name(), "is a .glb cut off within its header of 12 bytes");
+  const auto fail = [&](const std::string& fault) { throw bad_input(file.name(), fault); };
+  if (file.size() < header_size) fail("is a .glb cut off within its header of 12 bytes");
   const std::uint32_t version = word_at(file, 4);
   const std::uint64_t length = word_at(file, 8);
-  if (version != 2) throw bad_input(file.name(), fmt::format("is a .glb of version {}; palpa reads glTF 2.0", version));
-  if (length > file.size()) {
-    throw bad_input(file.name(),
-                    fmt::format("is cut off: its header promises {} bytes, the file has {}", length, file.size()));
-  }
-  if (length < header_size + chunk_header_size) {
-    throw bad_input(file.name(), fmt::format("its header promises {} bytes, too few for a JSON chunk", length));
-  }
-  if (length < file.size()) {
+  if (version != 2) fail(fmt::format("is a .glb of version {}; palpa reads glTF 2.0", version));
+  if (length > file.size())
+    fail(fmt::format("is cut off: its header promises {} bytes, the file has {}", length, file.size()));
+  if (length < header_size + chunk_header_size)
+    fail(fmt::format("its header promises {} bytes, too few for a JSON chunk", length));
+  if (length < file.size())
     log::warning(fmt::format("{}: {} bytes after the .glb's end are ignored", file.name(), file.size() - length));
-  }
   Container container;
   std::uint64_t offset = header_size;
   // Only the first two chunks have a meaning. Later ones are extensions that are ignored, so they need not all be
   // visited.
   for (int chunk = 0; chunk < 3 && offset < length; ++chunk) {
-    if (length - offset < chunk_header_size) throw bad_input(file.name(), fmt::format("chunk {} is cut off", chunk));
+    if (length - offset < chunk_header_size) fail(fmt::format("chunk {} is cut off", chunk));
     const std::uint64_t size = word_at(file, offset);
     const std::uint32_t type = word_at(file, offset + 4);
     offset += chunk_header_size;
-    if (size > length - offset) {
-      throw bad_input(file.name(), fmt::format("chunk {} is cut off: it promises {} bytes, {} are left", chunk, size,
-                                               length - offset));
-    }
-    if ((chunk == 0) != (type == json_chunk)) {
-      throw bad_input(file.name(), chunk == 0 ? "its first chunk is not JSON" : "has two JSON chunks");
-    }
+    if (size > length - offset)
+      fail(fmt::format("chunk {} is cut off: it promises {} bytes, {} are left", chunk, size, length - offset));
+    if ((chunk == 0) != (type == json_chunk)) fail(chunk == 0 ? "its first chunk is not JSON" : "has two JSON chunks");
     if (chunk == 0) {
-      if (size == 0) throw bad_input(file.name(), "its JSON chunk is empty");
+      if (size == 0) fail("its JSON chunk is empty");
       container.json = read_text(file, offset, size);
     } else if (type == bin_chunk) {
-      if (chunk != 1) throw bad_input(file.name(), "its BIN chunk is not the second chunk");
+      if (chunk != 1) fail("its BIN chunk is not the second chunk");
       container.bin = BinChunk{offset, size};
     }
     offset += size;

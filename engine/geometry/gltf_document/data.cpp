@@ -151,10 +151,8 @@ std::uint64_t DataChecker::check(std::uint32_t a, Role role) {
     const auto [length, stride] = check_view(*view);
     if (role == Role::indices && stride != 0) accessor.fail("holds indices in a buffer view with a byteStride");
     check_elements_fit(accessor, length, offset, elements.count, stride == 0 ? elements.size : stride, elements.size);
-    if (offset % elements.component_size != 0) {
-      log::warning(fmt::format("{}: {} starts at byte {}, not at a multiple of its components' size", root_.file(),
-                               accessor.where(), offset));
-    }
+    if (offset % elements.component_size != 0)
+      accessor.warn(fmt::format("starts at byte {}, not at a multiple of its components' size", offset));
   } else if (!accessor.has("sparse") && needs_data(role)) {
     accessor.fail("has no data: \"bufferView\" is missing");
   } else if (role != Role::unused && role != Role::position && role != Role::displacement && role != Role::joints) {

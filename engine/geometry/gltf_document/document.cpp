@@ -10,6 +10,8 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
+#include "base/reference.hpp"
+#include "base/text.hpp"
 #include "geometry/gltf_document/buffers.hpp"
 #include "geometry/gltf_document/data.hpp"
 #include "geometry/gltf_document/extensions.hpp"
@@ -30,7 +32,9 @@ void refuse_outputs_in(const std::filesystem::path& file, const Json& document) 
     for (const Json& item : document[key]) {
       if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
       const auto uri = decode_percent(item["uri"].get<std::string>());
-      if (uri && !uri->starts_with("data:")) refuse_output_as_input(file.parent_path() / *uri);
+      if (!uri || uri->starts_with("data:")) continue;
+      for (const std::filesystem::path& meant : readings_of(*uri, file.parent_path()))
+        refuse_output_as_input(meant);
     }
   }
 }
@@ -108,7 +112,11 @@ class DocumentChecker {
     check_tree();
     walk(choose_scene(scene_index));
     warn_of_unknown_keys();
-    warn_of_hidden();
+    if (hidden_count_ > 0) {
+      log::warning(fmt::format(
+          "{}: {} hidden ({}), but still touchable; extras {{\"palpa\": {{\"touchable\": false}}}} make it scenery",
+          file_, first_is(first_hidden_, hidden_count_), visibility_extension));
+    }
     root_.stop_writing();
     std::vector<BufferSource> needed = document_.buffers;
     if (const std::string fault = fault_elsewhere(); !fault.empty()) {
@@ -214,13 +222,12 @@ class DocumentChecker {
     if (!skin) {
       check_instancing(item);
     } else {
-      log::warning(fmt::format("{}: {}: {} has no effect on a skinned node, whose bones place its mesh", file_,
-                               item.where(), instancing_extension));
+      item.warn(fmt::format("{} has no effect on a skinned node, whose bones place its mesh", instancing_extension));
     }
   }
 
   void check_name(const Item& item) const {
-    if (const auto name = item.string("name")) item.write("name", parsed_.whole_name(*name));
+    if (const auto name = item.string("name")) item.write("name", parsed_.whole(*name));
   }
 
   static void check_weights(const Item& item, std::size_t targets) {
@@ -275,9 +282,7 @@ class DocumentChecker {
     if (mesh_checked_[m]) return targets;
     mesh_checked_[m] = 1;
     check_name(item);
-    if (has_palpa_extras(item)) {
-      log::warning(fmt::format("{}: {}: {}", file_, item.where(), extras_belong_to_nodes));
-    }
+    if (has_palpa_extras(item)) item.warn(extras_belong_to_nodes);
     check_weights(item, targets);
     primitives_ += primitives;
     if (primitives_ > most_items)
@@ -296,7 +301,7 @@ class DocumentChecker {
     const auto position = data_.named(attributes, "POSITION");
     if (!triangles) return false;
     if (!position) {
-      log::warning(fmt::format("{}: {} has no POSITION and is left out", file_, item.where()));
+      item.warn("has no POSITION and is left out");
       return false;
     }
     const auto indices = data_.named(item, "indices");
@@ -329,15 +334,6 @@ class DocumentChecker {
       if (accessor) check_count(target, "POSITION", data_.check(*accessor, Role::displacement));
     }
     return true;
-  }
-
-  void warn_of_hidden() const {
-    if (hidden_count_ == 0) return;
-    log::warning(fmt::format(
-        "{}: {}{} hidden ({}), but still touchable; extras {{\"palpa\": {{\"touchable\": false}}}} make it scenery",
-        file_, first_hidden_,
-        hidden_count_ == 1 ? std::string(" is") : fmt::format(" and {} others are", hidden_count_ - 1),
-        visibility_extension));
   }
 
   void warn_of_unknown_keys() const {

@@ -78,23 +78,24 @@ struct Entry {
   [[noreturn]] void fail(const std::string& fault) const {
     node.fail(fmt::format("extras: {} {}", text::quoted(name), fault));
   }
-  std::string shown() const { return printable(value.dump(-1, ' ', false, Json::error_handler_t::replace), 30); }
+  [[noreturn]] void refuse(const std::string& right) const {
+    const std::string shown = printable(value.dump(-1, ' ', false, Json::error_handler_t::replace), 30);
+    fail(fmt::format("is {}; it must be {}", shown, right));
+  }
 
   double number(const Range& range, const char* unit) const {
-    const std::string right = fmt::format("a number {}{} and at most {}{}", range.open ? "above " : "of at least ",
-                                          range.low, range.high, unit);
-    if (!value.is_number()) fail(fmt::format("is {}; it must be {}", shown(), right));
-    const auto x = value.get<double>();
-    if (!(range.open ? x > range.low : x >= range.low) || !(x <= range.high))
-      fail(fmt::format("is {}; it must be {}", shown(), right));
+    const double x = value.is_number() ? value.get<double>() : std::nan("");
+    if (!(range.open ? x > range.low : x >= range.low) || !(x <= range.high)) {
+      refuse(fmt::format("a number {}{} and at most {}{}", range.open ? "above " : "of at least ", range.low,
+                         range.high, unit));
+    }
     return x;
   }
 
   // Blender writes 10.0 if a property was created as a float.
   std::uint32_t whole(std::uint32_t low, std::uint32_t high) const {
     const double x = value.is_number() ? value.get<double>() : -1;
-    if (!(x >= low && x <= high) || x != std::floor(x))
-      fail(fmt::format("is {}; it must be a whole number from {} to {}", shown(), low, high));
+    if (!(x >= low && x <= high) || x != std::floor(x)) refuse(fmt::format("a whole number from {} to {}", low, high));
     return static_cast<std::uint32_t>(x);
   }
 
@@ -108,8 +109,6 @@ struct Entry {
     }
     return list;
   }
-
-  [[noreturn]] void refuse(const char* right) const { fail(fmt::format("is {}; it must be {}", shown(), right)); }
 
   Click click() const {
     if (value.is_boolean() || value == 0 || value == 1) return truth() ? Click{} : Click{.burst_s = 0};
@@ -139,15 +138,14 @@ struct Entry {
 
   std::string name_of_solid() const {
     if (!value.is_string() || value.get_ref<const std::string&>().empty())
-      fail(fmt::format("is {}; it must be the name of the solid that this is a part of", shown()));
+      refuse("the name of the solid that this is a part of");
     return value.get<std::string>();
   }
 
   bool truth() const {
-    if (value.is_boolean()) return value.get<bool>();
-    if (value.is_number() && value.get<double>() == 0) return false;
-    if (value.is_number() && value.get<double>() == 1) return true;
-    fail(fmt::format("is {}; it must be true or false", shown()));
+    if (value == true || value == 1) return true;
+    if (value == false || value == 0) return false;
+    refuse("true or false");
   }
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/units.hpp"
 #include "geometry/text.hpp"
 
@@ -20,7 +21,7 @@ constexpr std::size_t most_values = 2'000'000;  // about 80 bytes each
 
 // The value as a whole number: JSON writers may write 28 or 28.0.
 std::optional<std::uint64_t> as_whole(const Json& value) {
-  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  if (value.is_number_unsigned() || value == 0) return value.get<std::uint64_t>();  // -0 is 0, too
   if (value.is_number_float()) {
     const double number = value.get<double>();
     if (number >= 0 && number <= 9007199254740992.0 && number == std::floor(number))
@@ -87,34 +88,15 @@ Parsed::Parsed(const std::string& file, const std::string& text) {
   }
 }
 
-std::optional<std::string_view> Parsed::long_string(const std::string& value) const {
-  if (!value.starts_with(long_string_mark)) return std::nullopt;
-  const auto index = parse_whole<std::size_t>(std::string_view(value).substr(long_string_mark.size()));
-  if (!index || *index >= long_strings_.size()) return std::nullopt;
-  return long_strings_[*index];
-}
-
-std::string Parsed::whole_name(const std::string& value) const {
-  const auto raw = long_string(value);
-  if (!raw) return value;
-  const Json text = Json::parse(fmt::format("\"{}\"", *raw), nullptr, false);
-  return text.is_string() ? text.get<std::string>() : value;
-}
-
 std::string Parsed::whole(const std::string& value) const {
-  const auto long_one = long_string(value);
-  if (!long_one) return value;
-  // Some writers put "\/" into base64; it is the only escape that they use there.
-  const std::string_view raw = *long_one;
-  std::string text;
-  text.reserve(raw.size());
-  std::size_t copied = 0;
-  for (std::size_t at = raw.find("\\/"); at != std::string_view::npos; at = raw.find("\\/", at + 1)) {
-    text.append(raw, copied, at - copied);
-    copied = at + 1;
-  }
-  text.append(raw, copied);
-  return text;
+  if (!value.starts_with(long_string_mark)) return value;
+  const auto index = parse_whole<std::size_t>(std::string_view(value).substr(long_string_mark.size()));
+  if (!index || *index >= long_strings_.size()) return value;
+  const std::string_view raw = long_strings_[*index];
+  // Data URIs need no parser, which would take its time; only some writers put "\/" into base64.
+  if (std::ranges::all_of(raw, [](char c) { return c >= ' ' && c < 0x7f && c != '\\'; })) return std::string(raw);
+  const Json text = Json::parse(fmt::format("\"{}\"", raw), nullptr, false);
+  return text.is_string() ? text.get<std::string>() : value;
 }
 
 Item::Item(const std::string& file, const Json& value, std::string where, Json* reduced)
@@ -127,6 +109,10 @@ void Item::fail(const std::string& fault) const {
   throw bad_input(*file_, where_ + ": " + fault);
 }
 
+void Item::warn(const std::string& text) const {
+  log::warning(fmt::format("{}: {}: {}", *file_, where_, text));
+}
+
 std::optional<std::uint64_t> Item::whole(const char* key, std::uint64_t least, std::uint64_t most) const {
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
@@ -135,12 +121,6 @@ std::optional<std::uint64_t> Item::whole(const char* key, std::uint64_t least, s
   if (*number < least || *number > most)
     fail(fmt::format("\"{}\" is {}; it must lie within {} and {}", key, *number, least, most));
   return write(key, *number);
-}
-
-std::uint64_t Item::needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const {
-  const auto number = whole(key, least, most);
-  if (!number) fail(fmt::format("\"{}\" is missing", key));
-  return *number;
 }
 
 std::uint64_t Item::checked_index(const Json& value, const char* key, const char* collection, std::size_t count) const {
@@ -154,12 +134,6 @@ std::optional<std::uint32_t> Item::index(const char* key, const char* collection
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
   return write(key, static_cast<std::uint32_t>(checked_index(*found, key, collection, count)));
-}
-
-std::uint32_t Item::needed_index(const char* key, const char* collection, std::size_t count) const {
-  const auto number = index(key, collection, count);
-  if (!number) fail(fmt::format("\"{}\" is missing", key));
-  return *number;
 }
 
 std::vector<std::uint32_t> Item::indices(const char* key, const char* collection, std::size_t count) const {
@@ -210,12 +184,6 @@ std::optional<Item> Item::item(const char* key) const {
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
   return Item(*file_, *found, where_ + ", " + key, reduced_ == nullptr ? nullptr : &(*reduced_)[key]);
-}
-
-Item Item::needed_item(const char* key) const {
-  auto found = item(key);
-  if (!found) fail(fmt::format("\"{}\" is missing", key));
-  return *std::move(found);
 }
 
 const Json* Item::array(const char* key) const {

@@ -25,12 +25,8 @@ class Parsed {
   const Json& json() const { return json_; }
   /// The original string, if `value` is a placeholder for a long one.
   std::string whole(const std::string& value) const;
-  /// The same for a name, with its escapes resolved.
-  std::string whole_name(const std::string& value) const;
 
  private:
-  std::optional<std::string_view> long_string(const std::string& value) const;
-
   Json json_;
   std::vector<std::string_view> long_strings_;  // into the text
 };
@@ -50,6 +46,8 @@ class Item {
   /// Throws bad_input "<where>: <fault>".
   [[noreturn]] void fail(const std::string& fault) const;
 
+  void warn(const std::string& text) const;
+
   /// Writes a member into the copy; returns the value.
   template <typename T>
   const T& write(const char* key, const T& value) const {
@@ -67,10 +65,14 @@ class Item {
   bool has(const char* key) const { return value_->contains(key); }
   /// A whole number in [least, most]; nullopt if absent.
   std::optional<std::uint64_t> whole(const char* key, std::uint64_t least, std::uint64_t most) const;
-  std::uint64_t needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const;
+  std::uint64_t needed_whole(const char* key, std::uint64_t least, std::uint64_t most) const {
+    return needed(key, whole(key, least, most));
+  }
   /// An index into a collection of `count` elements.
   std::optional<std::uint32_t> index(const char* key, const char* collection, std::size_t count) const;
-  std::uint32_t needed_index(const char* key, const char* collection, std::size_t count) const;
+  std::uint32_t needed_index(const char* key, const char* collection, std::size_t count) const {
+    return needed(key, index(key, collection, count));
+  }
   /// Distinct indices; empty if absent.
   std::vector<std::uint32_t> indices(const char* key, const char* collection, std::size_t count) const;
   /// Exactly `count` finite numbers; nullopt if absent.
@@ -79,7 +81,7 @@ class Item {
   std::optional<bool> boolean(const char* key) const;
   /// A member that is an object.
   std::optional<Item> item(const char* key) const;
-  Item needed_item(const char* key) const;
+  Item needed_item(const char* key) const { return needed(key, item(key)); }
   /// A member that is an array; nullptr if absent.
   const Json* array(const char* key) const;
   /// The length of such an array; 0 if absent.
@@ -90,6 +92,11 @@ class Item {
   bool has_extension(const char* name) const;
 
  private:
+  template <typename T>
+  T needed(const char* key, std::optional<T> value) const {
+    if (!value) fail(std::string("\"") + key + "\" is missing");
+    return *std::move(value);
+  }
   std::uint64_t checked_index(const Json& value, const char* key, const char* collection, std::size_t count) const;
 
   const std::string* file_;

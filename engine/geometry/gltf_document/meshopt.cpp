@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include <array>
+
+#include "base/error.hpp"
+
 namespace palpa::geometry::gltf {
 
 std::optional<std::string> meshopt_fault(const MeshoptBufferView& view) {
@@ -22,41 +26,34 @@ std::optional<std::string> meshopt_fault(const MeshoptBufferView& view) {
   return std::nullopt;
 }
 
-std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView& view,
-                                                         std::span<const unsigned char> packed) {
+std::vector<unsigned char> unpack_meshopt(const std::string& file, const MeshoptBufferView& view,
+                                          std::span<const unsigned char> packed) {
+  using Decode = int (*)(void*, std::size_t, std::size_t, const unsigned char*, std::size_t);
+  static constexpr std::array<Decode, 3> decoders{meshopt_decodeVertexBuffer, meshopt_decodeIndexBuffer,
+                                                  meshopt_decodeIndexSequence};
+  using Filter = void (*)(void*, std::size_t, std::size_t);
+  static constexpr std::array<Filter, 4> filters{nullptr, meshopt_decodeFilterOct, meshopt_decodeFilterQuat,
+                                                 meshopt_decodeFilterExp};
   std::vector<unsigned char> out(view.stride * view.count);
-  int fault = 0;
-  switch (view.mode) {
-    case MeshoptMode::attributes:
-      fault = meshopt_decodeVertexBuffer(out.data(), view.count, view.stride, packed.data(), packed.size());
-      break;
-    case MeshoptMode::triangles:
-      fault = meshopt_decodeIndexBuffer(out.data(), view.count, view.stride, packed.data(), packed.size());
-      break;
-    case MeshoptMode::indices:
-      fault = meshopt_decodeIndexSequence(out.data(), view.count, view.stride, packed.data(), packed.size());
-      break;
+  const Decode decode = decoders.at(static_cast<std::size_t>(view.mode));
+  if (decode(out.data(), view.count, view.stride, packed.data(), packed.size()) != 0) {
+    const std::string where =
+        fmt::format("buffer {}: bytes {} to {} are", view.buffer, view.offset, view.offset + view.length);
+    // Version 1 belongs to KHR_meshopt_compression, and older libraries cannot unpack it.
+    if (const int codec = packed.empty() ? 0 : packed[0];
+        view.mode == MeshoptMode::attributes && codec > 0xa0 && codec <= 0xaf) {
+      throw bad_input(file,
+                      fmt::format("{} packed with version {} of meshoptimizer's vertex codec, but palpa was built "
+                                  "with a meshoptimizer that reads version 0 only: pack the model with "
+                                  "EXT_meshopt_compression, or not at all",
+                                  where, codec & 0xf));
+    }
+    throw bad_input(file, fmt::format("{} not what the meshopt compression unpacks to {} elements of {} bytes", where,
+                                      view.count, view.stride));
   }
-  if (fault != 0) return std::nullopt;
-  switch (view.filter) {
-    case MeshoptFilter::none:
-      break;
-    case MeshoptFilter::octahedral:
-      meshopt_decodeFilterOct(out.data(), view.count, view.stride);
-      break;
-    case MeshoptFilter::quaternion:
-      meshopt_decodeFilterQuat(out.data(), view.count, view.stride);
-      break;
-    case MeshoptFilter::exponential:
-      meshopt_decodeFilterExp(out.data(), view.count, view.stride);
-      break;
-  }
+  const Filter filter = filters.at(static_cast<std::size_t>(view.filter));
+  if (filter != nullptr) filter(out.data(), view.count, view.stride);
   return out;
-}
-
-unsigned codec_version(const MeshoptBufferView& view, std::span<const unsigned char> packed) {
-  const bool is_one = view.mode == MeshoptMode::attributes && !packed.empty() && (packed[0] & 0xf0) == 0xa0;
-  return is_one ? packed[0] & 0x0fu : 0;
 }
 
 }  // namespace palpa::geometry::gltf

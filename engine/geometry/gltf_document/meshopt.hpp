@@ -25,13 +25,9 @@ struct MeshoptBufferView {
 /// Why stride, count, mode and filter do not fit together; nullopt if they do.
 std::optional<std::string> meshopt_fault(const MeshoptBufferView& view);
 
-/// Unpacks the view's stride * count bytes; meshopt_fault(view) must be nullopt. `packed` is untrusted; the result is
-/// nullopt if it does not match the view. Unpacked indices may be any numbers.
-std::optional<std::vector<unsigned char>> unpack_meshopt(const MeshoptBufferView& view,
-                                                         std::span<const unsigned char> packed);
-
-/// The version of meshoptimizer's vertex codec with which packed attributes begin; 0 for everything else. Version 1
-/// belongs to KHR_meshopt_compression, and older libraries cannot unpack it.
-unsigned codec_version(const MeshoptBufferView& view, std::span<const unsigned char> packed);
+/// Unpacks the view's stride * count bytes; meshopt_fault(view) must be nullopt. `packed` is untrusted. Throws
+/// bad_input naming the file if it does not match the view. Unpacked indices may be any numbers.
+std::vector<unsigned char> unpack_meshopt(const std::string& file, const MeshoptBufferView& view,
+                                          std::span<const unsigned char> packed);
 
 }  // namespace palpa::geometry::gltf
