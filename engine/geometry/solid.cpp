@@ -254,9 +254,10 @@ std::vector<Solid> solids_of(const Scene& scene, SurfaceKind kind, Open open) {
   for (auto& [place, solid] : found)
     solids.push_back(std::move(solid));
   if (solids.empty()) {
-    throw bad_input(scene.file, scene.meshes.empty()
-                                    ? "the scene has no triangle mesh; a scene needs at least one solid"
-                                    : "none of the scene's meshes is touchable; a scene needs at least one solid");
+    const std::string fault =
+        scene.meshes.empty() ? "the scene has no triangle mesh" : "none of its meshes is touchable";
+    throw bad_input(scene.file, fault + (scene.hidden.empty() ? "" : " (" + scene.hidden + ")") +
+                                    "; a scene needs at least one solid");
   }
   return solids;
 }

@@ -95,6 +95,24 @@ TEST(Gltf, NamesComeFromTheNodeThenTheMeshThenTheNumber) {
   EXPECT_EQ(scene.meshes[2].name, "node 2");
 }
 
+// Long strings bypass the parser, because data URIs are long.
+TEST(Gltf, LongNamesAreReadWhole) {
+  GltfBuilder builder = cube_file();
+  builder.add_node({{"mesh", 0}, {"name", "NAME"}});
+  const auto file = builder.write_embedded(test::scratch_folder("gltf-names") / "long.gltf");
+  const std::string text = test::read_text(file), filler(5000, 'x');
+  const auto name_of = [&](const std::string& name) {
+    test::write_text(file, std::string(text).replace(text.find("NAME"), 4, name));
+    return load_gltf(file).meshes.at(0).name;
+  };
+  EXPECT_EQ(name_of(filler), filler);
+  EXPECT_EQ(name_of("data:" + filler), "data:" + filler);
+  EXPECT_EQ(name_of(filler + R"(\u0041\/\n\u00e4)"), filler + "A/\n\xc3\xa4");
+  for (const std::string not_text : {"\xff", "\x01", "\\u12"}) {
+    EXPECT_TRUE(name_of("data:" + filler + not_text).starts_with("data:long string")) << "nothing to show";
+  }
+}
+
 TEST(Gltf, HierarchiesMultiplyFromTheRoot) {
   GltfBuilder builder = cube_file();
   // Scale by 2 along x, then a quarter turn about z (x to y), then a shift.
@@ -286,6 +304,9 @@ TEST(Gltf, AScaleOfZeroAlongAllAxesHidesAMesh) {
   EXPECT_CONTAINS(fault_of(flat), "no mesh is left: node 0 is hidden by a scale of zero along all axes; give one that");
   flat.add_node({{"mesh", 0}, {"scale", {0, 0, 0}}});
   EXPECT_CONTAINS(fault_of(flat), "no mesh is left: node 0 and 1 other are hidden by a scale of zero");
+  flat.add_node({{"mesh", 0}, {"extras", {{"palpa_touchable", false}}}});
+  EXPECT_CONTAINS(fault_of(flat),
+                  "touchable (node 0 and 1 other are hidden by a scale of zero along all axes); a scene");
 }
 
 TEST(Gltf, InstancesOfAnotherProgramAreRead) {

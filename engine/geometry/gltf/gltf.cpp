@@ -81,12 +81,11 @@ class SceneReader {
     for (const std::uint32_t n : document_.shown)
       add(n, model_.nodes[n]);
     if (vanished_count_ == 0) return std::move(scene_);
-    const std::string hidden = first_is(first_vanished_, vanished_count_) + " hidden by a scale of zero along all axes";
-    if (scene_.meshes.empty()) {
-      fail(fmt::format("no mesh is left: {}; give one that is to be touched, and the nodes above it, another scale",
-                       hidden));
-    }
-    log::warning(fmt::format("{}: {} and left out", scene_.file, hidden));
+    scene_.hidden = first_is(first_vanished_, vanished_count_) + " hidden by a scale of zero along all axes";
+    if (scene_.meshes.empty())
+      fail("no mesh is left: " + scene_.hidden +
+           "; give one that is to be touched, and the nodes above it, another scale");
+    log::warning(fmt::format("{}: {} and left out", scene_.file, scene_.hidden));
     return std::move(scene_);
   }
 

@@ -31,7 +31,8 @@ struct SceneMesh {
 
 struct Scene {
   std::string file;
-  std::vector<SceneMesh> meshes;  ///< depth-first in the scene's node order
+  std::vector<SceneMesh> meshes{};  ///< depth-first in the scene's node order
+  std::string hidden{};             ///< which meshes a scale of zero hides, as a clause for messages; empty: none
 };
 
 /// Reads `scene_index`, or the file's default scene, or scene 0; for a file without scenes, all root nodes.
@@ -53,8 +54,9 @@ struct Scene {
 ///
 /// Faults that do not affect the scene's geometry (textures, wrong min/max, meshes that no node shows) are warnings; if
 /// the scene has no mesh at all, they are the error. A mesh with a scale of zero along all axes is hidden: it is left
-/// out with a warning. Unknown palpa extras, compressed data that hold fewer or more vertices than promised, and hidden
-/// nodes (KHR_node_visibility), which are touchable nevertheless, are warnings. Never blocks on devices or pipes.
+/// out with a warning, or an error if no other is left. Unknown palpa extras, compressed data that hold fewer or more
+/// vertices than promised, and hidden nodes (KHR_node_visibility), which are touchable nevertheless, are warnings.
+/// Never blocks on devices or pipes.
 Scene load_gltf(const std::filesystem::path& file, std::optional<int> scene_index = std::nullopt);
 
 /// Around all meshes, metres; empty without any.
