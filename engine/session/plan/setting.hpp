@@ -34,6 +34,7 @@ struct SessionSetting {
   std::vector<geometry::Solid> solids;
   std::vector<sensing::Camera> cameras;  ///< none: skin comes as points or from a tracker; otherwise as depth frames
   bool tracked = false;                  ///< without cameras: a tracker of hands gives capsules
+  bool pushed = false;                   ///< without cameras: while it runs, another program pushes points
   array::Layout layout;                  ///< as posed in the world; without transducers, nothing is driven
   /// With cameras: skin on the layout's boards counts. Otherwise, points on the boards are no skin.
   bool keep_boards = false;
@@ -73,7 +74,9 @@ struct SessionSetting {
   bool frame_by_frame = false;
 
   /// Whether it has everything that run() needs.
-  bool live() const { return !frame_by_frame && (!cameras.empty() || tracked) && !layout.transducers.empty(); }
+  bool live() const {
+    return !frame_by_frame && (!cameras.empty() || tracked || pushed) && !layout.transducers.empty();
+  }
 };
 
 /// The boards of a layout that is posed in the world.
