@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "setup/spread.hpp"

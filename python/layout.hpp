@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "setup/tasks/drive.hpp"
 #include "setup/tasks/field.hpp"
 

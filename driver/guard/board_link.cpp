@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/now.hpp"
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
 #include "session/links/hand_over.hpp"

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace palpa::driver {
@@ -31,18 +32,6 @@ Error no_memory() {
 }
 
 }  // namespace
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    if (fd_ >= 0) close(fd_);
-    fd_ = std::exchange(other.fd_, -1);
-  }
-  return *this;
-}
-
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) close(fd_);
-}
 
 /// At the beginning of the memory. Its members are offsets from there.
 struct SharedMemory::Head {
@@ -172,12 +161,6 @@ Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& messa
   if (size == 0) return Heard::gone;
   message = {static_cast<Said>(buffer[0]), {buffer.data() + 1, static_cast<std::size_t>(size) - 1}};
   return Heard::message;
-}
-
-double monotonic_s() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace palpa::driver

@@ -13,26 +13,12 @@
 #include <string_view>
 #include <utility>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
+#include "base/descriptor.hpp"
 #include "driver/board.hpp"
 #include "session/links/hand_over.hpp"
 
 namespace palpa::driver {
-
-/// Owns a file descriptor; -1 is none.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor();
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_ = -1;
-};
 
 /// Three places for a value in shared memory. They take turns as the writer's, the waiting one and the reader's, as
 /// session::Newest does between threads. Neither side waits. A value that was not taken is replaced.
@@ -156,7 +142,5 @@ bool say(int socket, Said said, std::string_view text = {});
 enum class Heard { message, nothing, gone };
 /// Takes the next message, if there is one; it stays valid until the next call.
 Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message);
-
-double monotonic_s();
 
 }  // namespace palpa::driver

@@ -18,7 +18,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "session/links/hand_over.hpp"

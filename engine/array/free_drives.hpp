@@ -6,7 +6,7 @@
 #include <complex>
 #include <span>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::array {
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "array/many_foci.hpp"
+#include "array/solver_traits.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {

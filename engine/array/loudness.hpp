@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/farthest.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/levels.hpp"

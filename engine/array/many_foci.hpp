@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 
 namespace palpa::array {
 

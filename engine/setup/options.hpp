@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"

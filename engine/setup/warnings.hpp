@@ -4,7 +4,6 @@
 #include <span>
 #include <string>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/solid.hpp"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/free_field.hpp"
 #include "array/solvers/hearing.hpp"
 #include "focus_sets.hpp"

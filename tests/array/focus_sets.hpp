@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 
 namespace palpa::array {
 

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 #include "driver/autd3/pattern.hpp"
 

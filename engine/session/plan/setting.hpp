@@ -7,7 +7,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/focus_field.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"

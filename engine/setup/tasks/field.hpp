@@ -14,8 +14,9 @@
 
 #include "acoustics/air.hpp"
 #include "array/directivity.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
