@@ -118,7 +118,7 @@ class SharedMemory {
 };
 
 /// What loop and guard say to each other. One message each.
-enum class Said : char {
+enum class MessageKind : char {
   drive = 'd',  ///< from the loop: there is another drive
   /// All others are from the guard.
   opened = 'o',   ///< the board is there
@@ -133,14 +133,14 @@ enum class Said : char {
 
 struct Message {
   static constexpr std::size_t most = 512;  ///< longer lines are cut
-  Said said;
+  MessageKind kind;
   std::string_view text;
 };
 
 /// Never waits. A message that does not fit is dropped. Returns false if the other side is gone.
-bool say(int socket, Said said, std::string_view text = {});
-enum class Heard { message, nothing, gone };
+bool send_message(int socket, MessageKind kind, std::string_view text = {});
+enum class Received { message, nothing, gone };
 /// Takes the next message, if there is one; it stays valid until the next call.
-Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message);
+Received receive_message(int socket, std::span<char, Message::most + 1> buffer, Message& message);
 
 }  // namespace palpa::driver

@@ -162,7 +162,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
     for (const session::SolidHaptics& solid : session().scheduler().solids())
       gain = std::min(gain, solid.voice.gain);
     const std::string doubt =
-        doubt_of_boards(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
+        coarse_boards_line(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
     if (!doubt.empty()) log::warning(doubt);
   }
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.

@@ -185,7 +185,7 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
   if (!crowding.line.empty()) log::warning(crowding.line);
 }
 
-std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+std::string coarse_boards_line(const std::string& link, const array::Layout& layout, array::Constraint constraint,
                             double gain) {
   const array::BoardType* const type = array::find_board_type(session::parse_spec(link).name);
   if (type == nullptr || std::ranges::find(layout.boards, type->name, &array::Board::type) == layout.boards.end())

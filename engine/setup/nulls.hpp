@@ -39,7 +39,7 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
 
 /// A line about a link to boards of the layout that round amplitudes so coarsely that nulls are less than 40 dB below
 /// the foci; empty otherwise. `gain`: the ceiling times the least gain of a solid.
-std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+std::string coarse_boards_line(const std::string& link, const array::Layout& layout, array::Constraint constraint,
                             double gain);
 
 /// The sound of a drive at one of its nulls.

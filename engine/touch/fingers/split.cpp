@@ -130,9 +130,9 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
   const float width = splitting_width(parameters);
   const std::uint32_t count = out.finger_count;
   const bool apart = (known.rules & known_apart) != 0;
-  enum class Fate : std::uint8_t { goes, stays, may_split };
+  enum class Fate : std::uint8_t { dropped, stays, may_split };
   std::array<Fate, max_fingers> fates;
-  fates.fill(Fate::goes);
+  fates.fill(Fate::dropped);
   std::uint32_t wide_count = 0;
   for (std::uint32_t f = 0; f < count; ++f) {
     const FingerSkin& skin = skins[f] = look_at(sight, known, out, out.fingers[f]);
@@ -160,7 +160,7 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
   work.contacts.clear();
   for (std::uint32_t f = 0; f < count; ++f) {
     const Finger& finger = out.fingers[f];
-    if (fates[f] == Fate::goes) {
+    if (fates[f] == Fate::dropped) {
       changed = true;
       continue;
     }
