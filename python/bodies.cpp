@@ -44,7 +44,7 @@ py::object vector_or_none(const std::optional<Vec3>& vector) {
 // ---- scatter --------------------------------------------------------------------------------------------------------
 
 struct ScatterArguments {
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   setup::AirOptions air{.absorption = false};
 };
 void add_scatter_options(CLI::App& app, ScatterArguments& o) {

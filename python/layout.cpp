@@ -43,7 +43,7 @@ using LayoutPtr = std::shared_ptr<LayoutObject>;
 
 struct SolveArguments {
   py::object own_solver{};
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   setup::SpreadOptions spread;
   setup::CommonOptions common;
 };
@@ -72,7 +72,7 @@ constinit DeclaredOnce<SolveArguments> solve_options("Layout.solve", add_solve_o
 constinit DeclaredOnce<SolveArguments> drive_options_of("Layout.drive", add_solve_options, outputs_of_commands);
 constinit DeclaredOnce<SolveArguments> touch_drive_options("Layout.solve_touch", add_solve_options,
                                                            outputs_of_commands);
-constinit DeclaredOnce<setup::DriveOptionsGroup> finger_options("FingerSound", add_transfer_options, only_the_air);
+constinit DeclaredOnce<setup::FocusingOptions> finger_options("FingerSound", add_transfer_options, only_the_air);
 constinit DeclaredOnce<FieldArguments> field_options("Layout.field", add_field_options, nothing_to_solve);
 
 // ---- drives ---------------------------------------------------------------------------------------------------------
@@ -95,7 +95,7 @@ std::vector<setup::AskedFocus> asked_foci(const LayoutObject& layout, const py::
 }
 
 std::unique_ptr<FingerSoundObject> finger_sound(const std::shared_ptr<const LayoutObject>& layout,
-                                                const py::object& mesh, const setup::DriveOptionsGroup& drive,
+                                                const py::object& mesh, const setup::FocusingOptions& drive,
                                                 bool force) {
   const NamedMesh named = mesh_of("finger", mesh);
   auto made = std::make_unique<FingerSoundObject>();

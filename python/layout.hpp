@@ -45,7 +45,7 @@ struct FieldObject {
 /// `palpa.FingerInSound`: the sound of a layout's transducers around a finger.
 struct FingerSoundObject {
   std::shared_ptr<const LayoutObject> layout;
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   std::unique_ptr<setup::FingerInSound> finger;
   std::string name;
 };
@@ -58,7 +58,7 @@ py::class_<LayoutObject, std::shared_ptr<LayoutObject>> add_layout_class(py::mod
 void add_transfer(py::class_<LayoutObject, std::shared_ptr<LayoutObject>>& made);
 
 /// The options of a drive that is given, or of the air alone.
-void add_transfer_options(CLI::App& app, setup::DriveOptionsGroup& o);
+void add_transfer_options(CLI::App& app, setup::FocusingOptions& o);
 inline constexpr std::initializer_list<const char*> only_the_air = {"--amplitude", "--solver", "--transfer",
                                                                     "--constraint", "--pressure"};
 

@@ -33,7 +33,7 @@ struct FrameOptions {
   RigOptions rig;
   SolidOptions solids;
   TouchOptions touch;
-  DriveOptionsGroup drive;
+  FocusingOptions drive;
   std::string finger;  ///< mesh for --transfer finger; empty: the asset
   session::Safety safety;
   double hold_s = 0.1;

@@ -90,7 +90,7 @@ void add_link_options(const line::Group& group, LiveOptions& o) {
              [](const std::string& text) { session::parse_osc_address(text); });
 }
 
-void add_run_options(CLI::App& app, RunOptions& o, const char* frames) {
+void add_run_options(CLI::App& app, RunCommand& o, const char* frames) {
   const line::Group group(app, "What to run");
   add_frame_options(group, o, frames);
   add_link_options(group, o);

@@ -135,7 +135,7 @@ double kept_of(const array::Layout& layout, const acoustics::FociPressure& press
 
 }  // namespace
 
-void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame) {
+void add_null_option(const line::Group& group, FocusingOptions& options, const std::string& frame) {
   group.texts("--null", options.nulls, "X,Y,Z[,R]",
               fmt::format("place in {} where the foci's sound is zero; R is the radius of a ball around it, 0 if you "
                           "leave it out; give it again for more places; goes with --solver gs-pat",
@@ -143,7 +143,7 @@ void add_null_option(const line::Group& group, DriveOptionsGroup& options, const
               [](const std::string& text) { parse_null(text); });
 }
 
-void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options) {
+void prepare_nulls(const FocusingOptions& group, const array::Layout& layout, array::DriveOptions& options) {
   if (group.nulls.empty()) return;
   if (layout.transducers.empty())
     throw bad_usage(group.nulls_from + ": there is no array whose sound could be zero anywhere");
@@ -186,7 +186,7 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
 }
 
 std::string coarse_boards_line(const std::string& link, const array::Layout& layout, array::Constraint constraint,
-                            double gain) {
+                               double gain) {
   const array::BoardType* const type = array::find_board_type(session::parse_spec(link).name);
   if (type == nullptr || std::ranges::find(layout.boards, type->name, &array::Board::type) == layout.boards.end())
     return {};

@@ -40,7 +40,7 @@ struct SessionSetting {
   bool keep_boards = false;
   /// With cameras: other things that are no skin. With cameras or a tracker: the room outside which nothing is.
   sensing::Surroundings surroundings{};
-  touch::Parameters touch;
+  touch::FingerOptions touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
   OwnSolver own_solver{};  ///< instead of the solver of `drive`; no finger may request a pressure

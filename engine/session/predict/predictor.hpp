@@ -32,7 +32,7 @@ struct PredictorSetting {
   PredictOptions options;
   CameraView view;
   const touch::PreparedSolids& solids;  ///< in their current poses
-  touch::Parameters parameters;
+  touch::FingerOptions parameters;
   std::uint32_t cycle = 10;  ///< slots
   double slot_s = 1.5e-3;
 };

@@ -30,7 +30,7 @@ struct FieldTask {
   std::string drive_file;         ///< a drive of that layout, in the format of drive_csv (drive_file.hpp),
   std::vector<std::string> foci;  ///< or foci for which a drive is made: texts for schedule_of (foci.hpp)
   PlaceOptions place;
-  DriveOptionsGroup drive;  ///< with a drive's file, only directivity and medium are used
+  FocusingOptions drive;  ///< with a drive's file, only directivity and medium are used
   AirOptions air;
   SpreadOptions spread;
 };
