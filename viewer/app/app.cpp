@@ -19,7 +19,7 @@
 namespace palpa::viewer {
 namespace {
 
-constexpr double silence_check_s = 0.1;           ///< the strip notices silence this soon, even if no frame comes
+constexpr double silence_check_s = 0.1;  ///< the strip notices silence this soon, even if no frame comes
 constexpr double tend_s = 1;             ///< a live run is looked after at least this often, see LiveSession::look
 constexpr double quit_again_s = 2;       ///< while the array sounds, a second press within this time quits
 constexpr double above_object_m = 0.03;  ///< where a held finger has room
@@ -80,7 +80,7 @@ void App::recall() {
     data_.messages.say(log::Level::warning, error.what());
   }
   const ViewerOptions& options = content_.options();
-  const Settings& recalled = memory_.recalled();
+  const Preferences& recalled = memory_.recalled();
   data_.state.layers = first_state(options, recalled.layers).layers;
   data_.state.dark = data_.state.dark || recalled.dark;
   if (!options.given.contains("--fine")) data_.state.fine = recalled.fine;
@@ -93,7 +93,7 @@ void App::recall() {
   memory_.begin(settings());
 }
 
-Settings App::settings() const {
+Preferences App::settings() const {
   return {.layers = data_.state.layers,
           .dark = data_.state.dark,
           .panels = data_.panels,
