@@ -140,7 +140,7 @@ std::shared_ptr<DriveObject> drive_on_finger(const LayoutPtr& self, std::span<co
 }
 
 /// Nulls have a frame, as foci have.
-std::vector<std::string> asked_nulls(const LayoutObject& layout, const py::object& nulls, const py::object& radii) {
+std::vector<array::Null> asked_nulls(const LayoutObject& layout, const py::object& nulls, const py::object& radii) {
   if (!nulls.is_none()) refuse_other_frame("nulls", nulls, layout);
   return nulls_of(nulls, radii);
 }

@@ -12,6 +12,7 @@
 #include "acoustics/air.hpp"
 #include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/null.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
@@ -141,7 +142,7 @@ struct FocusingOptions {
   std::optional<double> pressure_pa;            ///< at each focus, instead of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
-  std::vector<std::string> nulls;     ///< texts of --null (nulls.hpp), which only some commands have
+  std::vector<array::Null> nulls;     ///< of --null (nulls.hpp), which only some commands have
   std::string nulls_from = "--null";  ///< who asks for them, for messages
 };
 /// Whether a command has a finger's mesh, so that foci may be computed from the sound around it. If not, it has no

@@ -137,7 +137,7 @@ TEST_F(Refusals, OfADriveSayWhatIsWrong) {
             {"--focus -78.75mm,78.75mm,0", "transducer 0"},
             {"--pattern IN/pattern.toml", in("pattern.toml") + ": line 3", 4},
             // A user who gave no --null does not read of it.
-            {"--pattern carter", "--pattern carter: null '"}}},
+            {"--pattern carter", "--pattern carter: null "}}},
           {board + focus,
            {{"--temperature 20 --sound-speed 343", "--sound-speed"},
             {"--null 1,2", "x,y,z"},

@@ -135,10 +135,7 @@ std::vector<AskedFocus> foci_of_pattern(const std::string& name, FocusingOptions
   std::vector<AskedFocus> foci;
   for (const auto& [position, amplitude] : pattern.points)
     foci.push_back({position, amplitude});
-  for (const array::Null& null : pattern.nulls) {
-    const Vec3& at = null.position;
-    drive.nulls.push_back(fmt::format("{},{},{},{}", at.x, at.y, at.z, null.radius_m));
-  }
+  drive.nulls.insert(drive.nulls.end(), pattern.nulls.begin(), pattern.nulls.end());
   drive.nulls_from = "--pattern " + name;
   if (!drive.solver) drive.solver = SolverChoice::gs_pat;
   return foci;
