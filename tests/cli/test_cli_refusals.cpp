@@ -119,7 +119,7 @@ TEST_F(Refusals, OfATouchSayWhatIsWrong) {
 }
 
 TEST_F(Refusals, OfADriveSayWhatIsWrong) {
-  const std::string radius = "radius r from 0 to 5mm", who = "finger 1 of " + in("loud.json") + " asks for a pressure";
+  const std::string radius = "radius from 0 to 5mm", who = "finger 1 of " + in("loud.json") + " asks for a pressure";
   std::string many;
   for (int i = 0; i < 65; ++i)
     many += " --null " + std::to_string(i) + "mm,2cm,150mm";
