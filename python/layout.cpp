@@ -58,22 +58,18 @@ struct FieldArguments {
   setup::CommonOptions common;
 };
 void add_field_options(CLI::App& app, FieldArguments& o) {
-  setup::add_drive_options(app, o.task.drive);
+  setup::add_propagation_options(app, o.task.drive);
   setup::add_air_options(app, o.task.air);
   line::exclude(app, "--no-absorption", {"--air-pressure"});
   setup::add_spread_options(app, o.task.spread);
   setup::add_common(app, o.common);
 }
-/// A drive is given, so nothing is solved.
-constexpr std::initializer_list<const char*> nothing_to_solve = {
-    "--json", "--quiet", "--log-level", "--amplitude", "--solver", "--transfer", "--constraint", "--pressure"};
-
 constinit DeclaredOnce<SolveArguments> solve_options("Layout.solve", add_solve_options, outputs_of_commands);
 constinit DeclaredOnce<SolveArguments> drive_options_of("Layout.drive", add_solve_options, outputs_of_commands);
 constinit DeclaredOnce<SolveArguments> touch_drive_options("Layout.solve_touch", add_solve_options,
                                                            outputs_of_commands);
-constinit DeclaredOnce<setup::FocusingOptions> finger_options("FingerSound", add_transfer_options, only_the_air);
-constinit DeclaredOnce<FieldArguments> field_options("Layout.field", add_field_options, nothing_to_solve);
+constinit DeclaredOnce<setup::FocusingOptions> finger_options("FingerSound", setup::add_propagation_options);
+constinit DeclaredOnce<FieldArguments> field_options("Layout.field", add_field_options, outputs_of_commands);
 
 // ---- drives ---------------------------------------------------------------------------------------------------------
 

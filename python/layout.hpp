@@ -57,11 +57,6 @@ py::class_<LayoutObject, std::shared_ptr<LayoutObject>> add_layout_class(py::mod
 /// Adds Layout.transfer.
 void add_transfer(py::class_<LayoutObject, std::shared_ptr<LayoutObject>>& made);
 
-/// The options of a drive that is given, or of the air alone.
-void add_transfer_options(CLI::App& app, setup::FocusingOptions& o);
-inline constexpr std::initializer_list<const char*> only_the_air = {"--amplitude", "--solver", "--transfer",
-                                                                    "--constraint", "--pressure"};
-
 /// The drive of these foci by a Python function, checked like the content of a file. The function gets the transfer
 /// matrix (n, M) and the gains (n,), and returns a complex vector (M,). Needs the interpreter's lock.
 array::Drive drive_by(const py::object& solver, const array::Layout& layout, std::span<const array::SlotFocus> foci,

@@ -76,13 +76,9 @@ array::Drive drive_by(const py::object& solver, const array::Layout& layout, std
   return drive_of_layout("solver", call_python(solver, arguments), layout);
 }
 
-void add_transfer_options(CLI::App& app, setup::FocusingOptions& o) {
-  setup::add_drive_options(app, o);
-}
-
 namespace {
 
-constinit DeclaredOnce<setup::FocusingOptions> transfer_options("Layout.transfer", add_transfer_options, only_the_air);
+constinit DeclaredOnce<setup::FocusingOptions> transfer_options("Layout.transfer", setup::add_propagation_options);
 
 py::array transfer(const std::shared_ptr<LayoutObject>& self, const py::object& points, const py::kwargs& kwargs) {
   refuse_fork();

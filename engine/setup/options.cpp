@@ -256,8 +256,13 @@ void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh)
                "how amplitudes get into the range 0 to 1 [normalise]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, line::positive(array::most_pressure_pa),
                  "peak pressure at each focus, whatever else sounds, instead of --constraint [as loud as possible]");
-  group.choice("--directivity", options.directivity, array::directivity_words,
-               "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
+  add_propagation_options(app, options);
+}
+
+void add_propagation_options(CLI::App& app, FocusingOptions& options) {
+  line::Group(app, "Drives")
+      .choice("--directivity", options.directivity, array::directivity_words,
+              "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
   add_medium_options(app, options.medium);
 }
 

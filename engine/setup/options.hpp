@@ -149,6 +149,8 @@ struct FocusingOptions {
 /// --transfer.
 enum class FingerMesh { unknown, known };
 void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh = FingerMesh::unknown);
+/// Of these, only how sound gets from the transducers to a point: for drives that are given.
+void add_propagation_options(CLI::App& app, FocusingOptions& options);
 /// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and with nulls, and
 /// naive otherwise. Throws bad_usage if a pressure is requested with a constraint, with greedy or with nulls, and for
 /// nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets DriveOptions::nulls. Throws
