@@ -15,6 +15,7 @@
 
 #include "array/transducer_drive.hpp"
 #include "base/descriptor.hpp"
+#include "base/math.hpp"
 #include "driver/board.hpp"
 #include "session/links/hand_over.hpp"
 

@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::array {
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "array/layouts/layout.hpp"
+#include "array/medium.hpp"
 #include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/surroundings.hpp"

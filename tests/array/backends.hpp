@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
 
 namespace palpa::array {

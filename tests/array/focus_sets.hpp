@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

@@ -13,6 +13,7 @@
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive_options.hpp"
 #include "array/farthest.hpp"
+#include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 

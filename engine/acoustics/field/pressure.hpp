@@ -14,6 +14,7 @@
 #include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::acoustics {
 

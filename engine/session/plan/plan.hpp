@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/loudness.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_drives.hpp"

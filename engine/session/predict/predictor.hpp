@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "array/schedule.hpp"
+#include "base/math.hpp"
 #include "session/predict/finger_motions.hpp"
 #include "session/predict/kept_frames.hpp"
 #include "session/predict/prediction.hpp"
