@@ -1,4 +1,6 @@
 #include "array/many_foci.hpp"
+#include "array/drive.hpp"
+#include "array/solvers/gs_pat.hpp"
 
 #include <algorithm>
 #include <cmath>

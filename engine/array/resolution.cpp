@@ -1,6 +1,8 @@
 #include "array/resolution.hpp"
 
+#include "array/drive.hpp"
 #include "array/free_drives.hpp"
+#include "array/free_field.hpp"
 
 namespace palpa::array {
 
