@@ -1,9 +1,10 @@
 #include "array/many_foci.hpp"
-#include "array/drive.hpp"
-#include "array/solvers/gs_pat.hpp"
 
 #include <algorithm>
 #include <cmath>
+
+#include "array/drive.hpp"
+#include "array/solvers/gs_pat.hpp"
 
 namespace palpa::array {
 namespace {

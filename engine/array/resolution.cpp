@@ -3,6 +3,7 @@
 #include "array/drive.hpp"
 #include "array/free_drives.hpp"
 #include "array/free_field.hpp"
+#include "array/solvers/gs_pat.hpp"
 
 namespace palpa::array {
 
