@@ -5,6 +5,7 @@
 #include <complex>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "array/free_field.hpp"
 #include "arrays.hpp"
 #include "base/activity.hpp"

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "array/layouts/board_mesh.hpp"
 #include "array/loudness.hpp"
 #include "base/activity.hpp"

@@ -9,8 +9,10 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_mesh.hpp"
+#include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/nulls.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
