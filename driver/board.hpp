@@ -25,9 +25,9 @@
 #include <string_view>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
+#include "array/transducer_drive.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/slots.hpp"
 

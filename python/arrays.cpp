@@ -140,22 +140,21 @@ std::vector<double> numbers_of(const std::string& name, py::handle value) {
   return numbers;
 }
 
-std::vector<std::string> nulls_of(const py::object& places, const py::object& radii) {
-  std::vector<std::string> texts;
+std::vector<array::Null> nulls_of(const py::object& places, const py::object& radii) {
+  std::vector<array::Null> nulls;
   if (places.is_none()) {
     if (!radii.is_none()) throw bad_usage("null_radius goes with nulls");
-    return texts;
+    return nulls;
   }
-  const std::vector<Vec3> points = points_of("nulls", places);
-  std::vector<double> wide(points.size(), 0.0);
+  for (const Vec3& place : points_of("nulls", places))
+    nulls.push_back({place, 0});
+  std::vector<double> wide{0};
   if (!radii.is_none()) wide = numbers_of("null_radius", radii);
-  if (wide.size() == 1) wide.assign(points.size(), wide[0]);
-  if (wide.size() != points.size())
-    throw bad_usage(fmt::format("null_radius: there are {} for {}", wide.size(), counted(points.size(), "null")));
-  texts.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    texts.push_back(fmt::format("{},{},{},{}", points[i].x, points[i].y, points[i].z, wide[i]));
-  return texts;
+  if (wide.size() != 1 && wide.size() != nulls.size())
+    throw bad_usage(fmt::format("null_radius: there are {} for {}", wide.size(), counted(nulls.size(), "null")));
+  for (std::size_t i = 0; i < nulls.size(); ++i)
+    nulls[i].radius_m = wide[wide.size() == 1 ? 0 : i];
+  return nulls;
 }
 
 double length_of(const std::string& name, py::handle value) {

@@ -13,8 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/null.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "setup/spread.hpp"
@@ -32,7 +33,7 @@ std::vector<Vec3> points_of(const std::string& name, py::handle value);
 /// An array of shape (3,).
 Vec3 point_of(const std::string& name, py::handle value);
 /// Places and radii as texts of --null. `radii` are one number, one for each place, or None for 0.
-std::vector<std::string> nulls_of(const py::object& places, const py::object& radii);
+std::vector<array::Null> nulls_of(const py::object& places, const py::object& radii);
 /// An array of shape (n,) of finite numbers.
 std::vector<double> numbers_of(const std::string& name, py::handle value);
 /// Metres: a finite number, or a text such as "3mm".

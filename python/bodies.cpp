@@ -44,17 +44,15 @@ py::object vector_or_none(const std::optional<Vec3>& vector) {
 // ---- scatter --------------------------------------------------------------------------------------------------------
 
 struct ScatterArguments {
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   setup::AirOptions air{.absorption = false};
 };
 void add_scatter_options(CLI::App& app, ScatterArguments& o) {
-  setup::add_drive_options(app, o.drive);
+  setup::add_propagation_options(app, o.drive);
   setup::add_air_options(app, o.air);
 }
-constexpr std::initializer_list<const char*> nothing_solved = {"--amplitude", "--solver", "--transfer", "--constraint",
-                                                               "--pressure"};
 
-constinit DeclaredOnce<ScatterArguments> scatter_options("scatter", add_scatter_options, nothing_solved);
+constinit DeclaredOnce<ScatterArguments> scatter_options("scatter", add_scatter_options);
 
 setup::IncidentSound sound_of(const py::object& plane_wave, const py::object& point_source, const py::object& layout,
                               const py::object& drive, array::Directivity directivity, bool directivity_given) {

@@ -43,7 +43,7 @@ using LayoutPtr = std::shared_ptr<LayoutObject>;
 
 struct SolveArguments {
   py::object own_solver{};
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   setup::SpreadOptions spread;
   setup::CommonOptions common;
 };
@@ -58,22 +58,18 @@ struct FieldArguments {
   setup::CommonOptions common;
 };
 void add_field_options(CLI::App& app, FieldArguments& o) {
-  setup::add_drive_options(app, o.task.drive);
+  setup::add_propagation_options(app, o.task.drive);
   setup::add_air_options(app, o.task.air);
   line::exclude(app, "--no-absorption", {"--air-pressure"});
   setup::add_spread_options(app, o.task.spread);
   setup::add_common(app, o.common);
 }
-/// A drive is given, so nothing is solved.
-constexpr std::initializer_list<const char*> nothing_to_solve = {
-    "--json", "--quiet", "--log-level", "--amplitude", "--solver", "--transfer", "--constraint", "--pressure"};
-
 constinit DeclaredOnce<SolveArguments> solve_options("Layout.solve", add_solve_options, outputs_of_commands);
 constinit DeclaredOnce<SolveArguments> drive_options_of("Layout.drive", add_solve_options, outputs_of_commands);
 constinit DeclaredOnce<SolveArguments> touch_drive_options("Layout.solve_touch", add_solve_options,
                                                            outputs_of_commands);
-constinit DeclaredOnce<setup::DriveOptionsGroup> finger_options("FingerSound", add_transfer_options, only_the_air);
-constinit DeclaredOnce<FieldArguments> field_options("Layout.field", add_field_options, nothing_to_solve);
+constinit DeclaredOnce<setup::FocusingOptions> finger_options("FingerSound", setup::add_propagation_options);
+constinit DeclaredOnce<FieldArguments> field_options("Layout.field", add_field_options, outputs_of_commands);
 
 // ---- drives ---------------------------------------------------------------------------------------------------------
 
@@ -95,7 +91,7 @@ std::vector<setup::AskedFocus> asked_foci(const LayoutObject& layout, const py::
 }
 
 std::unique_ptr<FingerSoundObject> finger_sound(const std::shared_ptr<const LayoutObject>& layout,
-                                                const py::object& mesh, const setup::DriveOptionsGroup& drive,
+                                                const py::object& mesh, const setup::FocusingOptions& drive,
                                                 bool force) {
   const NamedMesh named = mesh_of("finger", mesh);
   auto made = std::make_unique<FingerSoundObject>();
@@ -140,7 +136,7 @@ std::shared_ptr<DriveObject> drive_on_finger(const LayoutPtr& self, std::span<co
 }
 
 /// Nulls have a frame, as foci have.
-std::vector<std::string> asked_nulls(const LayoutObject& layout, const py::object& nulls, const py::object& radii) {
+std::vector<array::Null> asked_nulls(const LayoutObject& layout, const py::object& nulls, const py::object& radii) {
   if (!nulls.is_none()) refuse_other_frame("nulls", nulls, layout);
   return nulls_of(nulls, radii);
 }

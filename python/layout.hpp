@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "setup/tasks/drive.hpp"
 #include "setup/tasks/field.hpp"
 
@@ -44,7 +45,7 @@ struct FieldObject {
 /// `palpa.FingerInSound`: the sound of a layout's transducers around a finger.
 struct FingerSoundObject {
   std::shared_ptr<const LayoutObject> layout;
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   std::unique_ptr<setup::FingerInSound> finger;
   std::string name;
 };
@@ -55,11 +56,6 @@ void add_sounds(py::module_& m);
 py::class_<LayoutObject, std::shared_ptr<LayoutObject>> add_layout_class(py::module_& m);
 /// Adds Layout.transfer.
 void add_transfer(py::class_<LayoutObject, std::shared_ptr<LayoutObject>>& made);
-
-/// The options of a drive that is given, or of the air alone.
-void add_transfer_options(CLI::App& app, setup::DriveOptionsGroup& o);
-inline constexpr std::initializer_list<const char*> only_the_air = {"--amplitude", "--solver", "--transfer",
-                                                                    "--constraint", "--pressure"};
 
 /// The drive of these foci by a Python function, checked like the content of a file. The function gets the transfer
 /// matrix (n, M) and the gains (n,), and returns a complex vector (M,). Needs the interpreter's lock.

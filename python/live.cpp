@@ -156,64 +156,11 @@ class Callbacks final : public session::RunObserver {
   session::Session& session_;
 };
 
-/// What the caller and OSC change in a run whose frames are pushed.
-class Changes final : public session::RunChanges {
- public:
-  Changes(Run& run, session::Osc* osc) : run_(run), osc_(osc) {}
-
-  void before_frame(session::Session& session) override {
-    if (osc_) osc_->before_frame(session);
-    change_solids(run_, session);
-  }
-
- private:
-  Run& run_;
-  session::Osc* osc_;
-};
-
-/// A run whose frames are pushed.
-session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std::span<const session::LinkKind> links) {
-  session::check_board_files(options.link, links, options.board_files);
-  setup::take_layout_of_link(options.rig, options.link, links);
-  setup::take_method_of_link(options, links);
-  setup::check(options.drive, o.scene->solids);
-  std::optional<session::Osc> osc;
-  if (!options.osc.empty()) {
-    options.safety.gain_now = &osc.emplace(options.osc).gain();
-    options.feel_may_change = true;
-  }
-  array::Layout layout = setup::load_posed_rig(options.rig).layout;
-  setup::warn_of_reach(layout, o.scene->solids);
-  session::SessionSetting setting = setup::session_setting(options, o.scene->solids, {}, std::move(layout));
-  std::optional<gpu::Device> device;
-  if (setup::on_gpu(options.common)) device.emplace(setup::device_options(options.common));
-  session::Session session =
-      device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
-  setup::warn_of_feel(session);
-  session::LinkSetting link_setting = session.link_setting();
-  link_setting.board_files = options.board_files;
-  const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
-  o.run.written = setup::outputs_of(options, links);
-  Callbacks callbacks(o, session);
-  if (osc) osc->listen(session, callbacks);
-  Changes changes(o.run, osc ? &*osc : nullptr);
-  session::LoopStats stats =
-      session::run_points(session, *o.run.points, *link, o.run.stop,
-                          {.frames = options.frames, .observer = &callbacks, .changes = &changes});
-  if (osc) stats.messages = osc->end();
-  setup::tell_backend(options.common, stats);
-  return stats;
-}
-
 void open_and_play(SessionObject& o, const setup::LiveOptions& options) {
   Run& run = o.run;
   const std::vector<session::LinkKind> links = setup::with_builtin(driver::links());
   const Outputs outputs(setup::outputs_of(options, links));
   refuse_output_as_input(o.scene->source);  // it was read when the Scene was made
-  if (o.from_points()) {
-    run.stats = std::make_shared<StatsObject>(StatsObject{play_points(o, options, links)});
-    return;
-  }
   const std::vector<session::SourceKind> sources = driver::camera_sources();
   std::optional<setup::LiveRun> live;
   if (!open(options, sources, links, run.stop, live)) return;
@@ -355,8 +302,8 @@ void tell_unheard() {
 void push_points(SessionObject& o, const py::object& points, const py::object& time) {
   if (!o.from_points()) throw bad_usage("push_points is for sessions with source=\"points\"");
   Run& run = o.run;
-  const std::shared_ptr<session::PushedPoints> to = run.points;  // another thread may start the next run meanwhile
-  if (!run.running || !to) throw bad_usage("the session does not run: call start() first");
+  if (!run.running || !run.points) throw bad_usage("the session does not run: call start() first");
+  session::PushedPoints to = *run.points;  // another thread may start the next run meanwhile
   double time_s = steady_s() - run.begin_s;
   if (!time.is_none()) {
     const std::vector<double> given = numbers_of("time", time);
@@ -364,10 +311,7 @@ void push_points(SessionObject& o, const py::object& points, const py::object& t
     time_s = given[0];
   }
   refuse_other_frame("points", points);
-  std::vector<glm::vec3> skin;
-  for (const sensing::SkinPoint& point : skin_of_frame(o, "points", points))
-    skin.push_back(point.position);
-  to->push(std::move(skin), time_s);
+  to.push(skin_of_frame(o, "points", points), time_s);
 }
 
 void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame, const py::object& on_event) {
@@ -381,7 +325,7 @@ void start(const SessionPtr& o, std::uint64_t frames, const py::object& on_frame
   options.safety.ceiling_now = &run.ceiling;
   run.on_frame = callback_of("on_frame", on_frame);
   run.on_event = callback_of("on_event", on_event);
-  run.points = o->from_points() ? std::make_shared<session::PushedPoints>() : nullptr;
+  if (o->from_points()) options.points = run.points.emplace();
   run.begin_s = steady_s();
   run.stop = false;
   run.over = false;

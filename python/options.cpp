@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "array/drive.hpp"
 #include "array/free_field.hpp"
 #include "arrays.hpp"
 #include "base/error.hpp"

@@ -107,10 +107,7 @@ void add_event(py::module_& m) {
 /// Options that have no effect on frames of points.
 void refuse_camera_options(const setup::LiveOptions& o) {
   setup::refuse_finger_width(o.touch, "depth images");
-  refuse_given({{"every_frame", o.every_frame},
-                {"record", !o.record.empty()},
-                {"events", !o.events.empty()},
-                {"hold='auto'", o.hold_auto}},
+  refuse_given({{"every_frame", o.every_frame}, {"record", !o.record.empty()}},
                "a source of depth frames, not with points");
 }
 

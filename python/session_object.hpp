@@ -22,7 +22,7 @@
 #include "own.hpp"
 #include "running.hpp"
 #include "sensing/skin_point.hpp"
-#include "session/points_run.hpp"
+#include "session/pushed_points.hpp"
 #include "session/session.hpp"
 #include "session/watch/events.hpp"
 #include "session/watch/stats.hpp"
@@ -63,8 +63,8 @@ struct Run {
   std::vector<Output> written;    ///< by the runs so far
   py::object on_frame, on_event;  ///< only during a run
   std::thread thread;
-  std::shared_ptr<session::PushedPoints> points;  ///< of a session from points, while it runs
-  double begin_s = 0;                             ///< of the run, on the steady clock
+  std::optional<session::PushedPoints> points;  ///< of a session from points, while it runs
+  double begin_s = 0;                           ///< of the run, on the steady clock
 };
 
 /// `palpa.Session`.

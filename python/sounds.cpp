@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/nulls.hpp"
 #include "arrays.hpp"
 #include "base/outputs.hpp"
 #include "base/text.hpp"

@@ -5,6 +5,7 @@
 #include <complex>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "array/free_field.hpp"
 #include "arrays.hpp"
 #include "base/activity.hpp"
@@ -76,18 +77,13 @@ array::Drive drive_by(const py::object& solver, const array::Layout& layout, std
   return drive_of_layout("solver", call_python(solver, arguments), layout);
 }
 
-void add_transfer_options(CLI::App& app, setup::DriveOptionsGroup& o) {
-  setup::add_drive_options(app, o);
-}
-
 namespace {
 
-constinit DeclaredOnce<setup::DriveOptionsGroup> transfer_options("Layout.transfer", add_transfer_options,
-                                                                  only_the_air);
+constinit DeclaredOnce<setup::FocusingOptions> transfer_options("Layout.transfer", setup::add_propagation_options);
 
 py::array transfer(const std::shared_ptr<LayoutObject>& self, const py::object& points, const py::kwargs& kwargs) {
   refuse_fork();
-  const setup::DriveOptionsGroup o = transfer_options().read(kwargs);
+  const setup::FocusingOptions o = transfer_options().read(kwargs);
   const array::DriveOptions options = setup::drive_options(o);
   refuse_other_frame("points", points, *self);
   const std::vector<Vec3> places = points_of("points", points);

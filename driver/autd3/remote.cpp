@@ -13,6 +13,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace palpa::driver::autd3 {

@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <span>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::driver::autd3 {
 

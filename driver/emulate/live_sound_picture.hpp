@@ -6,8 +6,8 @@
 #include <string>
 #include <thread>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "driver/emulate/sound_picture.hpp"
 
 namespace palpa::driver::emulate {

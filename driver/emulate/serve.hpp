@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "driver/emulate/command.hpp"
 #include "driver/emulate/violations.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "acoustics/field/incident.hpp"
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::driver::emulate {
 

@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/now.hpp"
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
 #include "session/links/hand_over.hpp"
@@ -70,10 +71,10 @@ class BoardLink final : public session::Link {
     }
     const bool ended = guard_->wait_for_exit(std::max(until_s - monotonic_s(), 0.0)).ended;
     carried_ = guard_->memory().tally().read();
-    if (ended && last_word_ == Said::opened) end_without_guard();
+    if (ended && last_word_ == MessageKind::opened) end_without_guard();
     guard_.reset();
     if (!ended) throw failure(brief_.kind + ": after 1 s, palpa-guard is still trying to silence the board" + advice);
-    if (last_word_ == Said::unsure)
+    if (last_word_ == MessageKind::unsure)
       throw failure(brief_.kind + ": it is not known whether the last silence reached the board" + advice);
   }
 
@@ -92,7 +93,7 @@ class BoardLink final : public session::Link {
     std::copy(drive.begin(), drive.end(), place.drives.begin());
     const TripleBuffer::Committed committed = guard_->memory().drive_buffer().commit(drive_place_);
     drive_place_ = committed.place;
-    const bool there = say(guard_->socket(), Said::drive);
+    const bool there = send_message(guard_->socket(), MessageKind::drive);
     if (!listen() || !there || hangs(committed.unread)) end_without_guard();
   }
 
@@ -112,7 +113,7 @@ class BoardLink final : public session::Link {
 
   void wait_until_open() {
     const double until_s = monotonic_s() + open_s;
-    while (last_word_ != Said::opened) {
+    while (last_word_ != MessageKind::opened) {
       if (!guard_->wait_for_word(until_s - monotonic_s()))
         throw failure(fmt::format("{}: the board is not open after {} s", brief_.kind, open_s));
       if (!listen()) end_without_guard();
@@ -124,23 +125,23 @@ class BoardLink final : public session::Link {
     std::array<char, Message::most + 1> buffer{};
     Message message{};
     while (true) {
-      const Heard heard = hear(guard_->socket(), buffer, message);
-      if (heard == Heard::gone) return false;
-      if (heard == Heard::nothing) return true;
-      switch (message.said) {
-        case Said::warning:
+      const Received received = receive_message(guard_->socket(), buffer, message);
+      if (received == Received::gone) return false;
+      if (received == Received::nothing) return true;
+      switch (message.kind) {
+        case MessageKind::warning:
           log::warning(fmt::format("{}: {}", brief_.kind, message.text));
           break;
-        case Said::waits:
+        case MessageKind::waits:
           log::at_once(fmt::format("{}: {}", brief_.kind, message.text));
           break;
-        case Said::info:
+        case MessageKind::info:
           log::info(fmt::format("{}: {}", brief_.kind, message.text));
           break;
-        case Said::refused:
+        case MessageKind::refused:
           refuse(message.text);
         default:
-          last_word_ = message.said;
+          last_word_ = message.kind;
       }
     }
   }
@@ -161,7 +162,7 @@ class BoardLink final : public session::Link {
     const GuardProcess::Exit exit = guard_->wait_for_exit(exit_s);
     carried_ = guard_->memory().tally().read();
     guard_.reset();
-    if (last_word_ == Said::asked_to_leave)
+    if (last_word_ == MessageKind::asked_to_leave)
       throw failure(brief_.kind + ": palpa-guard was asked to end (SIGTERM); it has silenced the board");
     const std::string what = brief_.kind + ": " + how_it_ended(exit);
     if (silence_once_more()) throw failure(what + "; a second palpa-guard has silenced the board");
@@ -171,7 +172,7 @@ class BoardLink final : public session::Link {
   bool silence_once_more() {
     Brief brief = brief_;
     brief.only_silence = true;
-    last_word_ = Said::drive;
+    last_word_ = MessageKind::drive;
     try {
       guard_.emplace(program_, brief, 0);
       const double until_s = monotonic_s() + open_s;
@@ -181,15 +182,15 @@ class BoardLink final : public session::Link {
       log::warning(fmt::format("{}: {}", brief_.kind, error.what()));
     }
     guard_.reset();
-    return last_word_ == Said::silent;
+    return last_word_ == MessageKind::silent;
   }
 
   Brief brief_;
   std::string program_;
   bool plays_plans_, free_field_;
   std::optional<GuardProcess> guard_;
-  session::Carried carried_;      ///< of a guard that is gone
-  Said last_word_ = Said::drive;  ///< from the guard; none yet
+  session::Carried carried_;                    ///< of a guard that is gone
+  MessageKind last_word_ = MessageKind::drive;  ///< from the guard; none yet
   double sent_s_ = monotonic_s(), unread_s_ = 0;
   bool hung_ = false;                                         ///< the guard, and was killed
   double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace palpa::driver {
@@ -31,18 +32,6 @@ Error no_memory() {
 }
 
 }  // namespace
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    if (fd_ >= 0) close(fd_);
-    fd_ = std::exchange(other.fd_, -1);
-  }
-  return *this;
-}
-
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) close(fd_);
-}
 
 /// At the beginning of the memory. Its members are offsets from there.
 struct SharedMemory::Head {
@@ -155,29 +144,23 @@ SharedMemory::PlanPlace SharedMemory::plan(std::uint32_t place) const {
           {&at<array::TransducerDrive>(drives), head().transducers * head().most_cycle}};
 }
 
-bool say(int socket, Said said, std::string_view text) {
+bool send_message(int socket, MessageKind kind, std::string_view text) {
   text = text.substr(0, Message::most);
-  std::array<iovec, 2> parts{{{&said, 1}, {const_cast<char*>(text.data()), text.size()}}};
+  std::array<iovec, 2> parts{{{&kind, 1}, {const_cast<char*>(text.data()), text.size()}}};
   msghdr message{};
   message.msg_iov = parts.data();
   message.msg_iovlen = parts.size();
   return sendmsg(socket, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || (errno != EPIPE && errno != ECONNRESET);
 }
 
-Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message) {
+Received receive_message(int socket, std::span<char, Message::most + 1> buffer, Message& message) {
   const auto take = [&] { return recv(socket, buffer.data(), buffer.size(), MSG_DONTWAIT); };
   ssize_t size = take();
   if (size < 0 && errno == ECONNRESET) size = take();  // it left with unread messages; its last words are there
-  if (size < 0) return errno == EAGAIN || errno == EINTR ? Heard::nothing : Heard::gone;
-  if (size == 0) return Heard::gone;
-  message = {static_cast<Said>(buffer[0]), {buffer.data() + 1, static_cast<std::size_t>(size) - 1}};
-  return Heard::message;
-}
-
-double monotonic_s() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  if (size < 0) return errno == EAGAIN || errno == EINTR ? Received::nothing : Received::gone;
+  if (size == 0) return Received::gone;
+  message = {static_cast<MessageKind>(buffer[0]), {buffer.data() + 1, static_cast<std::size_t>(size) - 1}};
+  return Received::message;
 }
 
 }  // namespace palpa::driver

@@ -13,26 +13,13 @@
 #include <string_view>
 #include <utility>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
+#include "base/descriptor.hpp"
+#include "base/math.hpp"
 #include "driver/board.hpp"
 #include "session/links/hand_over.hpp"
 
 namespace palpa::driver {
-
-/// Owns a file descriptor; -1 is none.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor();
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-
- private:
-  int fd_ = -1;
-};
 
 /// Three places for a value in shared memory. They take turns as the writer's, the waiting one and the reader's, as
 /// session::Newest does between threads. Neither side waits. A value that was not taken is replaced.
@@ -132,7 +119,7 @@ class SharedMemory {
 };
 
 /// What loop and guard say to each other. One message each.
-enum class Said : char {
+enum class MessageKind : char {
   drive = 'd',  ///< from the loop: there is another drive
   /// All others are from the guard.
   opened = 'o',   ///< the board is there
@@ -147,16 +134,14 @@ enum class Said : char {
 
 struct Message {
   static constexpr std::size_t most = 512;  ///< longer lines are cut
-  Said said;
+  MessageKind kind;
   std::string_view text;
 };
 
 /// Never waits. A message that does not fit is dropped. Returns false if the other side is gone.
-bool say(int socket, Said said, std::string_view text = {});
-enum class Heard { message, nothing, gone };
+bool send_message(int socket, MessageKind kind, std::string_view text = {});
+enum class Received { message, nothing, gone };
 /// Takes the next message, if there is one; it stays valid until the next call.
-Heard hear(int socket, std::span<char, Message::most + 1> buffer, Message& message);
-
-double monotonic_s();
+Received receive_message(int socket, std::span<char, Message::most + 1> buffer, Message& message);
 
 }  // namespace palpa::driver

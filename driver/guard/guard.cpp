@@ -18,7 +18,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "session/links/hand_over.hpp"
@@ -74,9 +76,9 @@ void go_first() {
 
 class Notes final : public BoardNotes {
  public:
-  void warning(std::string_view line) noexcept override { say(guard_socket, Said::warning, line); }
-  void info(std::string_view line) noexcept override { say(guard_socket, Said::info, line); }
-  void waits(std::string_view line) noexcept override { say(guard_socket, Said::waits, line); }
+  void warning(std::string_view line) noexcept override { send_message(guard_socket, MessageKind::warning, line); }
+  void info(std::string_view line) noexcept override { send_message(guard_socket, MessageKind::info, line); }
+  void waits(std::string_view line) noexcept override { send_message(guard_socket, MessageKind::waits, line); }
 };
 
 /// Copies what the other process wrote. A transducer with anything but an amplitude and a phase is silent.
@@ -99,11 +101,11 @@ class Guard {
   }
 
   /// Runs until the loop is gone or a signal asks the guard to leave. Leaves the board as it sounds.
-  Said watch(Board& board) {
+  MessageKind watch(Board& board) {
     while (true) {
       wait(board);
-      if (asked_to_leave) return Said::asked_to_leave;
-      if (!listen()) return Said::silent;
+      if (asked_to_leave) return MessageKind::asked_to_leave;
+      if (!listen()) return MessageKind::silent;
       play_newest(board);
       if (sounding_ && is_overdue(monotonic_s(), heard_s_, until_s_, slot_s_)) {
         board.all_off();
@@ -134,9 +136,9 @@ class Guard {
     std::array<char, Message::most + 1> buffer{};
     Message message{};
     while (true) {
-      const Heard heard = hear(guard_socket, buffer, message);
-      if (heard == Heard::gone) return false;
-      if (heard == Heard::nothing) return true;
+      const Received received = receive_message(guard_socket, buffer, message);
+      if (received == Received::gone) return false;
+      if (received == Received::nothing) return true;
     }
   }
 
@@ -206,10 +208,10 @@ int hold_board(std::span<const BoardKind> kinds) {
   Guard guard(memory, kind->plays_plans, brief.board.slot_s);  // takes all its memory before the board sounds
   const auto board = kind->open(brief.board, notes);
   keep_in_memory();
-  Said end = Said::silent;
+  MessageKind end = MessageKind::silent;
   std::exception_ptr fault;
   if (!brief.only_silence) {
-    say(guard_socket, Said::opened);
+    send_message(guard_socket, MessageKind::opened);
     try {
       end = guard.watch(*board);
     } catch (...) {  // nothing should throw there; if something does, it ends in silence, too
@@ -220,7 +222,7 @@ int hold_board(std::span<const BoardKind> kinds) {
   const bool sure = board->close();
   guard.tell_counts(*board);
   if (fault) std::rethrow_exception(fault);
-  say(guard_socket, sure ? end : Said::unsure);
+  send_message(guard_socket, sure ? end : MessageKind::unsure);
   return sure ? 0 : 1;
 }
 
@@ -234,9 +236,9 @@ void guard_main(std::span<const BoardKind> kinds) {
   try {
     status = hold_board(kinds);
   } catch (const Error& error) {
-    say(guard_socket, Said::refused, static_cast<char>(error.code()) + std::string(error.what()));
+    send_message(guard_socket, MessageKind::refused, static_cast<char>(error.code()) + std::string(error.what()));
   } catch (const std::exception& error) {
-    say(guard_socket, Said::refused, static_cast<char>(Exit::failed) + std::string(error.what()));
+    send_message(guard_socket, MessageKind::refused, static_cast<char>(Exit::failed) + std::string(error.what()));
   }
   _exit(status);
 }

@@ -18,7 +18,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 #include "driver/guard/guard.hpp"
 
 namespace palpa::driver {

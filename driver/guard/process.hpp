@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/kept_from_forks.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"

@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <span>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 #include "driver/openmpd/board_file.hpp"
 #include "driver/openmpd/pins.hpp"
 

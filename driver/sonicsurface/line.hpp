@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
-
-#include "driver/guard/channel.hpp"
+#include "base/descriptor.hpp"
 
 namespace palpa::driver::sonicsurface {
 

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::driver::sonicsurface {
 

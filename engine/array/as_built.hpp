@@ -9,8 +9,8 @@
 
 #include <cstdint>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::array {
 

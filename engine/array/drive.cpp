@@ -11,12 +11,39 @@
 
 #include "array/free_drives.hpp"
 #include "array/many_foci.hpp"
+#include "array/null_drive.hpp"
+#include "array/nulls.hpp"
+#include "array/slot_pressures.hpp"
+#include "array/solver_traits.hpp"
 #include "array/solvers/back_propagation.hpp"
+#include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/greedy.hpp"
+#include "array/solvers/gs_pat.hpp"
 #include "base/error.hpp"
 
 namespace palpa::array {
+
+struct DriveScratch::Parts {
+  std::vector<FocusSource> sources;
+  std::vector<std::complex<double>> sums;  ///< one per transducer
+  std::vector<FocusWeight> weights;
+  std::vector<double> gains;
+  std::vector<std::uint8_t> phases;
+  FreeField free_field;
+  Columns columns;
+  FocusMatrix matrix;
+  GsPatScratch gs_pat;
+  PressureScratch pressures;
+  std::vector<SlotFocus> foci;  ///< the drivable ones, as `sources`
+  std::vector<double> targets;
+  std::vector<std::complex<double>> factors, heard;
+  EigenvalueScratch eigenvalue;
+  NullScratch nulls;
+};
+
 namespace {
+
+using Scratch = DriveScratch::Parts;
 
 using Complex = std::complex<double>;
 using Source = FocusSource;
@@ -51,7 +78,7 @@ double relative_gain(const Source& source, double shared) {
 
 /// Replaces `scratch.sums` by the sums of `columns`, each times its factor `heard`. Returns the largest magnitude among
 /// these sums and those with the factors `plain`.
-double sum_columns(DriveScratch& scratch) {
+double sum_columns(Scratch& scratch) {
   const Columns& columns = scratch.columns;
   double largest = 0;
   for (std::size_t t = 0; t < columns.transducers; ++t) {
@@ -68,7 +95,7 @@ double sum_columns(DriveScratch& scratch) {
 }
 
 /// The same for the sources with `scratch.weights`.
-double sum_sources(const Layout& layout, const DriveOptions& options, DriveScratch& scratch) {
+double sum_sources(const Layout& layout, const DriveOptions& options, Scratch& scratch) {
   scratch.sums.resize(layout.transducers.size());
   if (!options.transfer) {
     return sum_foci_in_free_field(layout, scratch.sources, scratch.weights, options.weighting, options.medium,
@@ -80,7 +107,7 @@ double sum_sources(const Layout& layout, const DriveOptions& options, DriveScrat
 
 /// The factors of a solver that knows only gains; `plain` are those of equal gains.
 template <typename Factors>
-void find_weights(DriveScratch& scratch, Factors factors_for) {
+void find_weights(Scratch& scratch, Factors factors_for) {
   const std::size_t foci = scratch.columns.foci;
   const bool differ = std::ranges::any_of(scratch.gains, [](double gain) { return gain != 1; });
   scratch.factors.resize(foci);
@@ -97,7 +124,7 @@ void find_weights(DriveScratch& scratch, Factors factors_for) {
 }
 
 /// The same with the factors of the solver, from `scratch.columns`.
-double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
+double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   const Columns& columns = scratch.columns;
   scratch.weights.resize(columns.foci);
   scratch.sums.resize(columns.transducers);
@@ -121,7 +148,7 @@ double sum_weighted(const DriveOptions& options, DriveScratch& scratch) {
   return largest;
 }
 
-void drive_greedily(std::span<TransducerDrive> out, DriveScratch& scratch, double shared) {
+void drive_greedily(std::span<TransducerDrive> out, Scratch& scratch, double shared) {
   scratch.phases.resize(out.size());
   greedy(scratch.columns, scratch.gains, scratch.phases);
   for (std::size_t t = 0; t < out.size(); ++t) {
@@ -131,7 +158,7 @@ void drive_greedily(std::span<TransducerDrive> out, DriveScratch& scratch, doubl
 }
 
 /// Fills the columns of the sources, and their gains relative to the shared one.
-void fill_columns(const Layout& layout, const DriveOptions& options, double shared, DriveScratch& scratch) {
+void fill_columns(const Layout& layout, const DriveOptions& options, double shared, Scratch& scratch) {
   transfer_of(layout, options, scratch.free_field).fill(scratch.sources, options.weighting, scratch.columns);
   scratch.gains.clear();
   for (const Source& source : scratch.sources)
@@ -139,7 +166,7 @@ void fill_columns(const Layout& layout, const DriveOptions& options, double shar
 }
 
 void drive_with_nulls(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
-                      DriveScratch& scratch) {
+                      Scratch& scratch) {
   assert(!options.transfer && options.nulls->rows().transducers == layout.transducers.size());
   const double shared = shared_gain_of(scratch.sources);
   fill_columns(layout, options, shared, scratch);
@@ -153,7 +180,7 @@ void drive_with_nulls(const Layout& layout, const DriveOptions& options, std::sp
 }
 
 void drive_several(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
-                   DriveScratch& scratch) {
+                   Scratch& scratch) {
   const double shared = shared_gain_of(scratch.sources);
   const bool solved = options.solver != Solver::naive && scratch.sources.size() <= most_solved_foci;
   if (solved) {
@@ -173,7 +200,7 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
 }
 
 /// Puts the drivable foci into `scratch.sources`.
-void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveScratch& scratch) {
+void find_sources(const Layout& layout, std::span<const SlotFocus> foci, Scratch& scratch) {
   scratch.sources.clear();
   for (const SlotFocus& focus : foci) {
     if (!drivable(focus)) continue;
@@ -183,7 +210,7 @@ void find_sources(const Layout& layout, std::span<const SlotFocus> foci, DriveSc
 
 /// The sum of the sources' q_j times `scratch.factors`.
 void drive_sources(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
-                   DriveScratch& scratch) {
+                   Scratch& scratch) {
   if (scratch.sources.size() == 1) {  // the paper's q_k, turned down
     Source source = scratch.sources[0];
     source.gain = as_amplitude(std::abs(scratch.factors[0]));  // its phase has no effect
@@ -200,7 +227,7 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
 
 /// The factors that give the drivable foci their requested pressures.
 void find_factors(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
-                  DriveScratch& scratch) {
+                  Scratch& scratch) {
   scratch.foci.clear();
   std::ranges::copy_if(foci, std::back_inserter(scratch.foci), drivable);
   const std::size_t count = scratch.sources.size();
@@ -262,12 +289,18 @@ std::size_t quick_foci(std::size_t transducers, const DriveOptions& options, dou
   return static_cast<std::size_t>(std::clamp(foci, 1.0, 1e6));
 }
 
+DriveScratch::DriveScratch() : parts_(std::make_unique<Parts>()) {}
+DriveScratch::~DriveScratch() = default;
+DriveScratch::DriveScratch(DriveScratch&&) noexcept = default;
+DriveScratch& DriveScratch::operator=(DriveScratch&&) noexcept = default;
+
 float gain_of(const SlotFocus& focus) {
   return focus.gain > 0 ? std::min(1.0f, focus.gain) : 0.0f;
 }
 
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
-               std::span<TransducerDrive> out, DriveScratch& scratch) {
+               std::span<TransducerDrive> out, DriveScratch& memory) {
+  Scratch& scratch = memory.parts();
   assert(out.size() == layout.transducers.size());
   find_sources(layout, foci, scratch);
   const std::vector<Source>& sources = scratch.sources;
@@ -286,7 +319,8 @@ void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const Driv
 }
 
 void drive_by_factors(const Layout& layout, std::span<const SlotFocus> foci, std::span<const Complex> factors,
-                      const DriveOptions& options, std::span<TransducerDrive> out, DriveScratch& scratch) {
+                      const DriveOptions& options, std::span<TransducerDrive> out, DriveScratch& memory) {
+  Scratch& scratch = memory.parts();
   assert(factors.size() == foci.size());
   find_sources(layout, foci, scratch);
   scratch.factors.clear();
@@ -296,7 +330,8 @@ void drive_by_factors(const Layout& layout, std::span<const SlotFocus> foci, std
   drive_sources(layout, options, out, scratch);
 }
 
-void reserve(DriveScratch& scratch, const Layout& layout, const DriveOptions& options, std::size_t most_foci) {
+void reserve(DriveScratch& memory, const Layout& layout, const DriveOptions& options, std::size_t most_foci) {
+  Scratch& scratch = memory.parts();
   const std::size_t transducers = layout.transducers.size();
   constexpr std::size_t few = most_solved_foci, square = few * few;
   scratch.free_field.set(layout, options.medium, options.directivity);

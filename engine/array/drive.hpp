@@ -23,70 +23,16 @@
 
 #include <complex>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
-#include <vector>
 
-#include "array/constraint.hpp"
-#include "array/directivity.hpp"
+#include "array/drive_options.hpp"
 #include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/medium.hpp"
-#include "array/null_drive.hpp"
-#include "array/nulls.hpp"
-#include "array/slot_pressures.hpp"
-#include "array/solvers/eigenvalue.hpp"
-#include "array/solvers/gs_pat.hpp"
 #include "array/transducer_drive.hpp"
 #include "array/transfer.hpp"
-#include "base/math.hpp"
 
 namespace palpa::array {
-
-/// How several foci share the array.
-enum class Solver { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation };
-
-/// `loudest` is gs_pat with more care.
-constexpr bool is_gs_pat(Solver solver) {
-  return solver == Solver::gs_pat || solver == Solver::loudest;
-}
-
-/// The phases that the solver uses for foci that request pressures.
-constexpr FocusPhases phases_of(Solver solver) {
-  return is_gs_pat(solver) ? FocusPhases::helping : FocusPhases::own;
-}
-
-constexpr Care care_of(Solver solver) {
-  return solver == Solver::loudest ? Care::most : Care::usual;
-}
-
-/// A focus that sounds in a slot. A slot has one for each finger, or several if the method plays them together.
-struct SlotFocus {
-  Vec3 position;   ///< metres, in the layout's frame as posed
-  float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity
-  /// Requested peak pressure, regardless of other foci, gain included. nullopt: no request, the constraint decides. If
-  /// one focus of a slot has a request, those without one request nothing.
-  std::optional<double> pressure_pa;
-  std::uint32_t voice = 0, number = 0;  ///< of a schedule: its voice, and its number among the voice's foci
-  /// Peak pressure that it must never exceed: its finger's request at the crest of the modulation. nullopt: no request.
-  std::optional<double> most_pa{};
-};
-
-struct DriveOptions {
-  Weighting weighting = Weighting::distance;
-  Constraint constraint = Constraint::normalise;
-  Medium medium;
-  Solver solver = Solver::naive;
-  Directivity directivity = Directivity::t4010a1;  ///< assumed by the solvers; `naive` does not use it
-  /// Replaces the free field for making foci, for every solver and pressure. Must outlive everything that is made with
-  /// it. On the host only: a device has only the free field.
-  const Transfer* transfer = nullptr;
-  /// Places that stay silent, for the same layout as posed, the same medium and directivity. Null: none. In the free
-  /// field only, and not together with requested pressures. Slots with nulls are solved on the host, on every device.
-  std::shared_ptr<const Nulls> nulls;
-};
 
 /// The transfer for these options. Prepares `free_field` if that is the one.
 const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, FreeField& free_field);
@@ -102,22 +48,18 @@ float gain_of(const SlotFocus& focus);
 std::size_t quick_foci(std::size_t transducers, const DriveOptions& options, double within_s);
 
 /// Working memory of drive_for. If it is reused from call to call, drive_for allocates nothing once it has grown.
-struct DriveScratch {
-  std::vector<FocusSource> sources;
-  std::vector<std::complex<double>> sums;  ///< one per transducer
-  std::vector<FocusWeight> weights;
-  std::vector<double> gains;
-  std::vector<std::uint8_t> phases;
-  FreeField free_field;
-  Columns columns;
-  FocusMatrix matrix;
-  GsPatScratch gs_pat;
-  PressureScratch pressures;
-  std::vector<SlotFocus> foci;  ///< the drivable ones, as `sources`
-  std::vector<double> targets;
-  std::vector<std::complex<double>> factors, heard;
-  EigenvalueScratch eigenvalue;
-  NullScratch nulls;
+class DriveScratch {
+ public:
+  DriveScratch();
+  ~DriveScratch();
+  DriveScratch(DriveScratch&&) noexcept;
+  DriveScratch& operator=(DriveScratch&&) noexcept;
+
+  struct Parts;
+  Parts& parts() { return *parts_; }
+
+ private:
+  std::unique_ptr<Parts> parts_;
 };
 
 /// Allocates all memory in `scratch` that drive_for may need for `most_foci` foci, and computes what depends only on

@@ -1,4 +1,5 @@
 #include "array/drive_pass.hpp"
+#include "array/solver_traits.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,12 @@
 #include <complex>
 #include <span>
 
-#include "array/drive.hpp"
+#include "array/constraint.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/medium.hpp"
+#include "array/transducer_drive.hpp"
+#include "array/transfer.hpp"
+#include "base/math.hpp"
 
 namespace palpa::array {
 

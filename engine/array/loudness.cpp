@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "array/drive.hpp"
 #include "array/many_foci.hpp"
+#include "array/solver_traits.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {

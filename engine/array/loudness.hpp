@@ -16,12 +16,14 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/farthest.hpp"
+#include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_pressures.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::array {
 

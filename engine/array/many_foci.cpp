@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "array/drive.hpp"
+#include "array/solvers/gs_pat.hpp"
+
 namespace palpa::array {
 namespace {
 

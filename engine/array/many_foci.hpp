@@ -11,7 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::array {
 

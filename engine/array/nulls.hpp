@@ -20,18 +20,12 @@
 #include "array/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
+#include "array/null.hpp"
 #include "array/split_rows.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {
 
-struct Null {
-  Vec3 position;        ///< metres, in the layout's frame as posed
-  double radius_m = 0;  ///< 0: the place alone
-};
-
-inline constexpr std::size_t most_nulls = 64;
-inline constexpr double most_null_radius_m = 5e-3;
 /// The most rows, and the most entries of all rows, unless there are more nulls. The rows with the smallest rests are
 /// left out: time grows with the square of their number. Four balls as wide as a wavelength have about 320 rows in
 /// `paper`.

@@ -1,6 +1,9 @@
 #include "array/resolution.hpp"
 
+#include "array/drive.hpp"
 #include "array/free_drives.hpp"
+#include "array/free_field.hpp"
+#include "array/solvers/gs_pat.hpp"
 
 namespace palpa::array {
 

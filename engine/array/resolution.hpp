@@ -5,7 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "array/course.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "base/math.hpp"
 #include "base/words.hpp"
 

@@ -9,6 +9,7 @@
 #include "array/solvers/back_propagation.hpp"
 #include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/greedy.hpp"
+#include "array/solvers/gs_pat.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/solve_diagonal.comp.hpp"
 #include "spirv/solve_eigenvalue.comp.hpp"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/pipeline.hpp"
 #include "gpu/scratch.hpp"

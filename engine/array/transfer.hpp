@@ -7,16 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "array/constraint.hpp"
 #include "base/math.hpp"
-#include "base/words.hpp"
 
 namespace palpa::array {
-
-/// How the amplitude of one focus is distributed over the transducers: proportional to distance (1 at the farthest), or
-/// uniform.
-enum class Weighting { distance, uniform };
-inline constexpr Word<Weighting> weighting_words[] = {{"distance", Weighting::distance},
-                                                      {"uniform", Weighting::uniform}};
 
 /// The maximum number of foci in a slot for all solvers except `naive`.
 inline constexpr std::size_t most_solved_foci = 64;

@@ -405,7 +405,7 @@ void TomlTable::done() const {
   const auto is_known = [this](std::string_view name) {
     return std::ranges::any_of(asked_, [name](const Asked& asked) { return asked.read && asked.key == name; });
   };
-  // A file of another kind, which somebody else's rig may name. Its content is nobody's business.
+  // A file of another kind, which somebody else's rig may name: no message repeats its content.
   const bool whole_file = &table == &document_->root;
   if (whole_file && !table.empty() &&
       std::ranges::none_of(asked_, [&](const Asked& asked) { return table.contains(asked.key); })) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"

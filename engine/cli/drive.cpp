@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "array/nulls.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "base/text.hpp"

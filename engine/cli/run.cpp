@@ -23,21 +23,21 @@
 namespace palpa::cli {
 namespace {
 
-using setup::RunOptions;
+using setup::RunCommand;
 using setup::StatsFormat;
 
-void add_options_of_run(CLI::App& app, RunOptions& o) {
+void add_options_of_run(CLI::App& app, RunCommand& o) {
   setup::add_run_options(app, o, "number of frames to run; 0 runs until the source ends or Ctrl-C");
 }
 
 /// All outputs; --stats and --json are the same if both go to stdout.
-std::vector<Output> outputs_of(const RunOptions& o, std::span<const session::LinkKind> links) {
+std::vector<Output> outputs_of(const RunCommand& o, std::span<const session::LinkKind> links) {
   std::vector<Output> outputs = setup::outputs_of(o, links);
   if (o.stats == StatsFormat::json && o.common.json != "-") outputs.insert(outputs.begin() + 1, {"--stats", "-"});
   return outputs;
 }
 
-void report(const RunOptions& o, const Outputs& outputs, const session::LoopStats& stats) {
+void report(const RunCommand& o, const Outputs& outputs, const session::LoopStats& stats) {
   if (!o.common.json.empty()) write_file(o.common.json, session::to_json(stats));
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_file("-", session::to_json(stats));
@@ -47,7 +47,7 @@ void report(const RunOptions& o, const Outputs& outputs, const session::LoopStat
 }
 
 /// The message if something keeps palpa from ending.
-std::string late_line(const RunOptions& o) {
+std::string late_line(const RunCommand& o) {
   std::string waits = setup::on_gpu(o.common) ? "the GPU" : "a slow frame";
   for (const auto& [option, target] : {std::pair("--link", o.link), std::pair("--events", o.events),
                                        std::pair("--record", o.record), std::pair("--json", o.common.json)}) {
@@ -57,14 +57,14 @@ std::string late_line(const RunOptions& o) {
 }
 
 /// Whether the run's line would stand between events on the same terminal.
-bool mixes_with_events(const RunOptions& o) {
+bool mixes_with_events(const RunCommand& o) {
   return o.events == "-" && isatty(STDOUT_FILENO) != 0;
 }
 
 /// Says that the run is being prepared, until the first frame, and then shows its line.
-class ShownRun final : public session::RunObserver {
+class RunDisplay final : public session::RunObserver {
  public:
-  ShownRun(const RunOptions& o, bool no_line)
+  RunDisplay(const RunCommand& o, bool no_line)
       : preparing_(std::in_place, o.common.quiet), line_(o.link, o.frames, no_line) {}
 
   void planned(const session::FrameReport& frame, const session::Plan&) override {
@@ -81,9 +81,9 @@ class ShownRun final : public session::RunObserver {
   bool warned_ = false;  ///< of fingers that were left out
 };
 
-void run_live(const Extensions& extensions, const RunOptions& given) {
+void run_live(const Extensions& extensions, const RunCommand& given) {
   check(given);
-  RunOptions o = given;
+  RunCommand o = given;
   const bool no_line = o.common.quiet || mixes_with_events(o);
   o.watched = RunLine::is_shown(no_line);  // the line says how deep fingers are
   const Outputs outputs(outputs_of(o, setup::with_builtin(extensions.links)));
@@ -92,7 +92,7 @@ void run_live(const Extensions& extensions, const RunOptions& given) {
   std::optional<log::Relay> relay(std::in_place);
   std::optional<setup::Interrupt> interrupt(std::in_place, late_line(o));
   log::release_warnings();
-  std::optional<ShownRun> shown(std::in_place, o, no_line);
+  std::optional<RunDisplay> shown(std::in_place, o, no_line);
   const session::LoopStats stats = live.run(*shown);
   shown.reset();
   interrupt.reset();
@@ -104,7 +104,7 @@ void run_live(const Extensions& extensions, const RunOptions& given) {
 
 void add_run(Program& program) {
   const Extensions& extensions = program.extensions;
-  add_subcommand<RunOptions>(
+  add_subcommand<RunCommand>(
       program,
       {"run", "the live loop: depth frames in, drives out, until Ctrl-C",
        "  palpa run --scene assets/cube.glb --frames 300 --stats json\n"
@@ -112,7 +112,7 @@ void add_run(Program& program) {
        "--scene --source --rig --link --frames --method --pressure --ceiling --events --record",
        "On a terminal, a line shows the state of the run, unless events go there. At the end of a run, palpa silences "
        "the array."},
-      add_options_of_run, [&extensions](const RunOptions& o) { run_live(extensions, o); });
+      add_options_of_run, [&extensions](const RunCommand& o) { run_live(extensions, o); });
 }
 
 }  // namespace palpa::cli

@@ -11,6 +11,7 @@
 
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 #include "array/played.hpp"
 #include "base/activity.hpp"
 #include "base/parallel.hpp"

@@ -226,14 +226,20 @@ void Group::point(const std::string& name, std::string& target, const std::strin
 
 void Group::texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
                   const std::string& help, const Check& check) const {
+  each(name, type, help, [&target, check](const std::vector<std::string>& all) {
+    if (check) std::ranges::for_each(all, check);
+    target = all;
+  });
+}
+
+void Group::each(const std::string& name, const std::string& type, const std::string& help,
+                 std::function<void(const std::vector<std::string>&)> take) const {
   app_->add_option_function<std::vector<std::string>>(
           name,
-          [name, type, &target, check](const std::vector<std::string>& all) {
-            for (const std::string& text : all) {
-              if (text.empty()) throw bad_usage(fmt::format("{}: the value is empty, give {}", name, type));
-              if (check) check(text);
-            }
-            target = all;
+          [name, type, take](const std::vector<std::string>& all) {
+            if (std::ranges::any_of(all, &std::string::empty))
+              throw bad_usage(fmt::format("{}: the value is empty, give {}", name, type));
+            take(all);
           },
           help)
       ->expected(1)

@@ -79,6 +79,16 @@ class Group {
   /// An option that may be given several times, with one value each time.
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& type,
              const std::string& help, const Check& check = {}) const;
+  /// The same, read by `parse`, which throws bad_usage for invalid text.
+  template <typename T, typename Parse>
+  void values(const std::string& name, std::vector<T>& target, const std::string& type, const std::string& help,
+              Parse parse) const {
+    each(name, type, help, [&target, parse](const std::vector<std::string>& all) {
+      target.clear();
+      for (const std::string& text : all)
+        target.push_back(parse(text));
+    });
+  }
   /// Words that are not options and follow the command's name; any number of them. The parser takes brackets around a
   /// word, "[a,b]", for a list of words.
   void words(const std::string& name, std::vector<std::string>& target, const std::string& type,
@@ -103,6 +113,8 @@ class Group {
   }
 
  private:
+  void each(const std::string& name, const std::string& type, const std::string& help,
+            std::function<void(const std::vector<std::string>&)> take) const;
   template <typename T>
   void pick(const std::string& name, std::span<const Word<T>> words, const std::optional<T>& initial,
             const std::string& help, const std::function<void(T)>& set) const {

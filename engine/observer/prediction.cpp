@@ -216,7 +216,7 @@ Interval simulated(const PredictedMethod& method, std::size_t shapes, const Pred
 
 }  // namespace
 
-Prediction predict(const Responses& responses, const PredictedStudy& study, const PredictOptions& options) {
+Prediction predict(const Responses& responses, const PredictedStudy& study, const ObserverOptions& options) {
   Prediction out{.shapes = responses.shapes,
                  .methods = responses.methods,
                  .depths_m = responses.depths_m,

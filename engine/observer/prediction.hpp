@@ -78,13 +78,13 @@ struct Prediction {
   std::vector<study::Interval> studies;
 };
 
-struct PredictOptions {
+struct ObserverOptions {
   bool keep = false;                    ///< whether decisions are kept between runs (kept_variants.hpp)
   std::size_t points = default_points;  ///< of noise (decision.hpp)
 };
 
 /// Throws failure if the reference cannot be fitted: its accuracy is lower even without noise. Reports its progress
 /// (Activity).
-Prediction predict(const Responses& responses, const PredictedStudy& study, const PredictOptions& options = {});
+Prediction predict(const Responses& responses, const PredictedStudy& study, const ObserverOptions& options = {});
 
 }  // namespace palpa::observer

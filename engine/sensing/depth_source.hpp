@@ -1,4 +1,4 @@
-// The sources of frames: a synthetic rig, a recording, real cameras, a tracker of hands. Interchangeable by name.
+// The sources of frames: a synthetic rig, a recording, real cameras, a tracker of hands, another program.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 
 #include "sensing/joints/capsules.hpp"
 #include "sensing/rig.hpp"
+#include "sensing/skin_point.hpp"
 
 namespace palpa::sensing {
 
@@ -17,22 +18,26 @@ struct DepthFrame {
   double time_s = 0;                 ///< capture time on the source's clock
 };
 
-/// One frame of every camera of a rig, in the rig's order, taken together; or one of a tracker of hands.
+/// One frame of every camera of a rig, in the rig's order, taken together; or one of a tracker of hands; or points of
+/// another program.
 struct FrameSet {
   std::vector<DepthFrame> frames;
   std::vector<Capsule> capsules;  ///< of a tracker: the bones of the hands that it sees, world
   bool tracked = false;           ///< of a tracker, which may see no hand; there are no images
+  std::vector<SkinPoint> points;  ///< of a program that knows where skin is, world; indices ascend
+  bool pushed = false;            ///< of such a program, which may see no skin
   double time_s = 0;              ///< the oldest capture time of the frames
   std::uint64_t sequence = 0;     ///< counts from 0; gaps are frames that the source dropped
 
   /// Whether there is a frame.
-  bool came() const { return tracked || !frames.empty(); }
+  bool came() const { return tracked || pushed || !frames.empty(); }
 };
 
 class DepthSource {
  public:
   virtual ~DepthSource() = default;
-  /// Constant during the source's lifetime. None: it is a tracker.
+  /// Constant during the source's lifetime. None: it is a tracker or a program that
+  /// pushes points.
   virtual const std::vector<Camera>& cameras() const = 0;
   /// Blocks until the next set is available, at most about `timeout_s`. Reuses `out`'s storage. Returns false at the
   /// end of the stream. If no set comes in time, there is no frame and the result is true. Throws Error on a fault.

@@ -74,10 +74,10 @@ Recording load_recording(const std::filesystem::path& folder_or_toml);
 /// The images of one entry. Throws bad_input naming the image: missing, not a 16-bit grey PNG, not the camera's size.
 void read_entry(const Recording& recording, std::size_t entry, FrameSet& out);
 
-struct ReplayOptions {
+struct PlaybackOptions {
   bool paced = true;  ///< at the recorded intervals, late frames are dropped; otherwise as fast as requested
   bool loop = false;  ///< starts again at the end; times and sequence numbers continue
 };
-std::unique_ptr<DepthSource> make_replay(Recording recording, ReplayOptions options = {});
+std::unique_ptr<DepthSource> make_replay(Recording recording, PlaybackOptions options = {});
 
 }  // namespace palpa::sensing

@@ -11,7 +11,7 @@ using Clock = std::chrono::steady_clock;
 
 class Replay : public DepthSource {
  public:
-  Replay(Recording recording, ReplayOptions options) : recording_(std::move(recording)), options_(options) {
+  Replay(Recording recording, PlaybackOptions options) : recording_(std::move(recording)), options_(options) {
     const auto& entries = recording_.entries;
     const double length = entries.back().time_s - entries.front().time_s;
     // One round lasts until the time of the frame that would follow.
@@ -65,7 +65,7 @@ class Replay : public DepthSource {
   }
 
   Recording recording_;
-  ReplayOptions options_;
+  PlaybackOptions options_;
   double round_s_ = 0;
   std::uint64_t round_sequences_ = 1;
   std::uint64_t next_ = 0;
@@ -75,7 +75,7 @@ class Replay : public DepthSource {
 
 }  // namespace
 
-std::unique_ptr<DepthSource> make_replay(Recording recording, ReplayOptions options) {
+std::unique_ptr<DepthSource> make_replay(Recording recording, PlaybackOptions options) {
   return std::make_unique<Replay>(std::move(recording), options);
 }
 

@@ -261,10 +261,11 @@ void Session::warm_up() {
   state_->planner->warm_up();
 }
 
-LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options) {
+LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options,
+                       const Clock& clock) {
   State& s = *state_;
   if (!s.setting.live())
-    throw bad_usage("a session without cameras or a tracker, or without an array, or one of single frames, cannot run");
+    throw bad_usage("a session without a source of skin or without an array, or one of single frames, cannot run");
   if (s.fingers && options.every_frame) {
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
@@ -283,7 +284,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     run_loop(source, planner, link,
              {.output = {s.setting.layout, s.setting.drive, s.scheduler.slot_s(), s.setting.hold_s, s.setting.safety},
               .lengthens_hold = s.setting.lengthens_hold},
-             stop, loop, stats);
+             stop, loop, stats, clock);
   } catch (...) {
     const std::exception_ptr fault = std::current_exception();
     try {

@@ -19,6 +19,7 @@
 
 #include "gpu/device.hpp"
 #include "sensing/depth_source.hpp"
+#include "session/clock.hpp"
 #include "session/links/link.hpp"
 #include "session/loop/run_options.hpp"
 #include "session/plan/planner.hpp"
@@ -53,8 +54,9 @@ class Session {
   /// is late, and the last drive that `link` gets is all-zero, whatever happens. Runs until the source ends,
   /// `options.frames` are done, `stop` becomes true or something fails. An Error of any thread is thrown here, after
   /// silence; `stop` is then also true. At the end, fingers that still touch are released. The setting must be live(),
-  /// with the source's cameras. Frames in progress at the end are discarded.
-  LoopStats run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options = {});
+  /// with the source's cameras. Frames in progress at the end are discarded. All times are those of `clock`.
+  LoopStats run(sensing::DepthSource& source, Link& link, std::atomic<bool>& stop, const RunOptions& options = {},
+                const Clock& clock = Clock());
 
   // ---- frame by frame ---------------------------------------------------------------------------------------------
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::setup {
 

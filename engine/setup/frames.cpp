@@ -28,6 +28,7 @@ namespace {
 
 std::unique_ptr<sensing::DepthSource> open_source(const FrameOptions& o, std::span<const session::SourceKind> more,
                                                   const PosedRig& rig, bool paced) {
+  if (o.points) return std::make_unique<session::PushedPoints>(*o.points);
   const std::vector<session::SourceKind> sources = with_builtin(more);
   const geometry::Mesh boards = array::board_mesh(rig.layout);
   return session::open_source(o.source, sources,
@@ -72,7 +73,7 @@ std::optional<session::FollowedFinger> finger_of(const FrameOptions& o) {
 
 session::SessionSetting session_setting(const FrameOptions& o, std::vector<geometry::Solid> solids,
                                         std::vector<sensing::Camera> cameras, array::Layout layout, FingerMesh mesh) {
-  const bool on_fingers = !asks_for_finger(o.drive).empty();
+  const bool unpredicted = !asks_for_finger(o.drive).empty() || (o.points && !o.predict_latency_s);
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
   schedule.own_method = o.own_method;
@@ -93,7 +94,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
           .axes = o.axes,
           .smoothing = o.smoothing,
           .hysteresis = o.chosen_hysteresis(),
-          .predict = {o.predict.value_or(on_fingers ? session::Predict::off : session::Predict::automatic),
+          .predict = {o.predict.value_or(unpredicted ? session::Predict::off : session::Predict::automatic),
                       o.predict_latency_s},
           .hold_s = o.hold_s,
           .lengthens_hold = o.hold_auto,
@@ -104,6 +105,7 @@ namespace {
 
 /// Throws bad_input if there can be no skin near any solid, and warns of solids with a part that nobody can touch.
 void check_surroundings(const session::SessionSetting& setting, const sensing::Rig& rig) {
+  if (setting.pushed) return;  // points are skin wherever they are
   if (rig.room) {
     const Box& room = rig.room->box;
     Box solids;
@@ -255,6 +257,7 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   warn_of_reach(rig.layout, solids);
   session::SessionSetting setting = session_setting(o, std::move(solids), source->cameras(), rig.layout, mesh);
   if (is_tracker(o.source)) take_tracker(o, setting);
+  setting.pushed = o.points.has_value();
   setting.surroundings = sensing::surroundings_of(rig.rig);
   check_surroundings(setting, rig.rig);
   warn_of_frequency(setting.layout, setting.drive.medium);

@@ -12,6 +12,7 @@
 
 #include "line/values.hpp"
 #include "session/links/sources.hpp"
+#include "session/pushed_points.hpp"
 #include "session/session.hpp"
 #include "session/watch/event_sink.hpp"
 #include "session/watch/pressure_log.hpp"
@@ -27,10 +28,12 @@ struct FrameOptions {
   std::shared_ptr<const std::vector<geometry::Solid>> made_solids{};
   std::optional<std::uint32_t> gltf_scene;
   std::string source = "synthetic";
+  /// Frames that the caller pushes; `source` is then only their name in messages.
+  std::optional<session::PushedPoints> points{};
   RigOptions rig;
   SolidOptions solids;
   TouchOptions touch;
-  DriveOptionsGroup drive;
+  FocusingOptions drive;
   std::string finger;  ///< mesh for --transfer finger; empty: the asset
   session::Safety safety;
   double hold_s = 0.1;

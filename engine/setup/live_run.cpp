@@ -90,7 +90,7 @@ void add_link_options(const line::Group& group, LiveOptions& o) {
              [](const std::string& text) { session::parse_osc_address(text); });
 }
 
-void add_run_options(CLI::App& app, RunOptions& o, const char* frames) {
+void add_run_options(CLI::App& app, RunCommand& o, const char* frames) {
   const line::Group group(app, "What to run");
   add_frame_options(group, o, frames);
   add_link_options(group, o);
@@ -162,7 +162,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
     for (const session::SolidHaptics& solid : session().scheduler().solids())
       gain = std::min(gain, solid.voice.gain);
     const std::string doubt =
-        doubt_of_boards(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
+        coarse_boards_line(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
     if (!doubt.empty()) log::warning(doubt);
   }
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.

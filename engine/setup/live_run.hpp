@@ -44,11 +44,11 @@ enum class StatsFormat { none, json };
 void add_link_options(const line::Group& group, LiveOptions& options);
 
 /// The options of `palpa run`.
-struct RunOptions : LiveOptions {
+struct RunCommand : LiveOptions {
   StatsFormat stats = StatsFormat::none;
 };
 /// Adds them without the common ones. `frames`: the help text of --frames.
-void add_run_options(CLI::App& app, RunOptions& options, const char* frames);
+void add_run_options(CLI::App& app, RunCommand& options, const char* frames);
 
 /// All files that such a run writes; `links` are all known links.
 std::vector<Output> outputs_of(const LiveOptions& options, std::span<const session::LinkKind> links);
@@ -72,7 +72,7 @@ class LiveRun final : session::RunChanges {
   session::Session& session() { return *prepared_.session; }
   sensing::DepthSource& source() { return *prepared_.source; }
 
-  /// Calls Session::run; may be called only once. `observer` and `record` (see RunOptions) get events and frames after
+  /// Calls Session::run; may be called only once. `observer` and `record` (see RunCommand) get events and frames after
   /// the outputs that the options name. `before_frame` is called as that of RunChanges, after OSC's. Warns of frames
   /// that were not recorded. Throws as Session::run, the sink and the recorder do.
   session::LoopStats run(session::RunObserver& observer = session::no_observer,

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "array/drive.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"
 #include "setup/nulls.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "session/answer_thread.hpp"
 #include "session/plan/plan.hpp"

@@ -12,8 +12,10 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 #include "array/free_field.hpp"
 #include "array/layouts/board_types.hpp"
+#include "array/nulls.hpp"
 #include "array/plausible.hpp"
 #include "array/split_rows.hpp"
 #include "base/error.hpp"
@@ -31,6 +33,13 @@ constexpr double wanted_db = -40;
 constexpr double least_kept = 0.5;
 constexpr double least_db = -300;  // of a null without any sound
 
+bool is_radius(double radius_m) {
+  return radius_m >= 0 && radius_m <= array::most_null_radius_m;
+}
+std::string radius_hint() {
+  return "give a radius from 0 to " + line::format_quantity(array::most_null_radius_m, Quantity::length);
+}
+
 /// Splits "x,y,z,r" into a place and a radius; without a fourth part, the radius is 0.
 array::Null parse_null(const std::string& text) {
   std::string place = text;
@@ -38,10 +47,9 @@ array::Null parse_null(const std::string& text) {
   if (std::ranges::count(text, ',') == 3) {
     const std::size_t comma = text.rfind(',');
     const std::optional<double> radius = parse_quantity(std::string_view(text).substr(comma + 1), Quantity::length);
-    if (!radius || !(*radius >= 0 && *radius <= array::most_null_radius_m)) {
-      throw bad_usage(fmt::format("--null: '{}' is not x,y,z,r with a radius r from 0 to {}, such as 2cm,0,150mm,1mm",
-                                  shortened(printable(text), 60),
-                                  line::format_quantity(array::most_null_radius_m, Quantity::length)));
+    if (!radius || !is_radius(*radius)) {
+      throw bad_usage(fmt::format("--null: '{}' is not x,y,z,r, such as 2cm,0,150mm,1mm; {}",
+                                  shortened(printable(text), 60), radius_hint()));
     }
     radius_m = *radius;
     place = text.substr(0, comma);
@@ -135,15 +143,15 @@ double kept_of(const array::Layout& layout, const acoustics::FociPressure& press
 
 }  // namespace
 
-void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame) {
-  group.texts("--null", options.nulls, "X,Y,Z[,R]",
-              fmt::format("place in {} where the foci's sound is zero; R is the radius of a ball around it, 0 if you "
-                          "leave it out; give it again for more places; goes with --solver gs-pat",
-                          frame),
-              [](const std::string& text) { parse_null(text); });
+void add_null_option(const line::Group& group, FocusingOptions& options, const std::string& frame) {
+  group.values("--null", options.nulls, "X,Y,Z[,R]",
+               fmt::format("place in {} where the foci's sound is zero; R is the radius of a ball around it, 0 if you "
+                           "leave it out; give it again for more places; goes with --solver gs-pat",
+                           frame),
+               parse_null);
 }
 
-void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options) {
+void prepare_nulls(const FocusingOptions& group, const array::Layout& layout, array::DriveOptions& options) {
   if (group.nulls.empty()) return;
   if (layout.transducers.empty())
     throw bad_usage(group.nulls_from + ": there is no array whose sound could be zero anywhere");
@@ -151,17 +159,17 @@ void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, 
     throw bad_usage(
         fmt::format("--null: {} nulls are more than the {} of a drive", group.nulls.size(), array::most_nulls));
   }
-  std::vector<array::Null> nulls;
-  nulls.reserve(group.nulls.size());
-  for (const std::string& text : group.nulls) {
-    nulls.push_back(parse_null(text));
-    const Vec3& place = nulls.back().position;
-    const std::string what = fmt::format("{}: null '{}'", group.nulls_from, shortened(printable(text), 60));
+  for (std::size_t i = 0; i < group.nulls.size(); ++i) {
+    const auto& [place, radius_m] = group.nulls[i];
+    const std::string what = fmt::format("{}: null {} at {:.6g}, {:.6g}, {:.6g} mm", group.nulls_from, i + 1,
+                                         1e3 * place.x, 1e3 * place.y, 1e3 * place.z);
+    if (!is_radius(radius_m))
+      throw bad_usage(fmt::format("{} has a radius of {} m; {}", what, radius_m, radius_hint()));
     refuse_place(layout, place, what);
     if (const std::string odd = array::implausible_place(layout, {place, place}); !odd.empty())
       throw bad_usage(fmt::format("{} {}", what, odd));
   }
-  options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, nulls);
+  options.nulls = std::make_shared<const array::Nulls>(layout, options.medium, options.directivity, group.nulls);
 }
 
 Crowding crowding_of(const array::Layout& layout, std::span<const array::SlotFocus> foci,
@@ -185,8 +193,8 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
   if (!crowding.line.empty()) log::warning(crowding.line);
 }
 
-std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
-                            double gain) {
+std::string coarse_boards_line(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+                               double gain) {
   const array::BoardType* const type = array::find_board_type(session::parse_spec(link).name);
   if (type == nullptr || std::ranges::find(layout.boards, type->name, &array::Board::type) == layout.boards.end())
     return {};

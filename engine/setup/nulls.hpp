@@ -5,19 +5,20 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "setup/options.hpp"
 
 namespace palpa::setup {
 
 /// Adds --null. `frame` says in which frame its places are: "the layout's own frame".
-void add_null_option(const line::Group& group, DriveOptionsGroup& options, const std::string& frame);
+void add_null_option(const line::Group& group, FocusingOptions& options, const std::string& frame);
 
 /// Sets DriveOptions::nulls for the layout as posed, unless no nulls are given. Throws bad_usage, naming the text, for
 /// one that is no null, at a transducer, or where the array hardly sounds (array/plausible.hpp); for too many; and
 /// without transducers.
-void prepare_nulls(const DriveOptionsGroup& group, const array::Layout& layout, array::DriveOptions& options);
+void prepare_nulls(const FocusingOptions& group, const array::Layout& layout, array::DriveOptions& options);
 
 /// How messages name a focus: by its number, or by its place, in mm.
 enum class FocusNames { numbers, places };
@@ -38,8 +39,8 @@ void check_nulls(const array::Layout& layout, std::span<const array::SlotFocus> 
 
 /// A line about a link to boards of the layout that round amplitudes so coarsely that nulls are less than 40 dB below
 /// the foci; empty otherwise. `gain`: the ceiling times the least gain of a solid.
-std::string doubt_of_boards(const std::string& link, const array::Layout& layout, array::Constraint constraint,
-                            double gain);
+std::string coarse_boards_line(const std::string& link, const array::Layout& layout, array::Constraint constraint,
+                               double gain);
 
 /// The sound of a drive at one of its nulls.
 struct SilentPlace {

@@ -117,7 +117,7 @@ void add_solid_options(CLI::App& app, SolidOptions& options) {
 
 void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   const line::Group group(app, "Touch");
-  touch::Parameters& p = options.parameters;
+  touch::FingerOptions& p = options.parameters;
   group.quantity("--delta", p.delta_m, Quantity::length, line::positive(1),
                  "thickness of the shell under a solid's surface: how deep a contact may be", &options.delta_given);
   group.quantity("--finger-gap", p.finger_gap_m, Quantity::length, line::positive(1),
@@ -189,7 +189,7 @@ void check(const TouchOptions& options) {
 }
 
 void refuse_finger_width(const TouchOptions& options, const char* goes_with) {
-  if (options.parameters.finger_width_m != touch::Parameters().finger_width_m)
+  if (options.parameters.finger_width_m != touch::FingerOptions().finger_width_m)
     throw bad_usage(fmt::format("--finger-width goes with {}: it is for depth images", goes_with));
 }
 
@@ -237,7 +237,7 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
   return rest.absorption != rest.not_normally ? air : acoustics::without_absorption(air);
 }
 
-void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh) {
+void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh) {
   const line::Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words,
                "amplitude that a focus asks of each transducer, by its distance or all the same");
@@ -256,12 +256,17 @@ void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mes
                "how amplitudes get into the range 0 to 1 [normalise]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, line::positive(array::most_pressure_pa),
                  "peak pressure at each focus, whatever else sounds, instead of --constraint [as loud as possible]");
-  group.choice("--directivity", options.directivity, array::directivity_words,
-               "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
+  add_propagation_options(app, options);
+}
+
+void add_propagation_options(CLI::App& app, FocusingOptions& options) {
+  line::Group(app, "Drives")
+      .choice("--directivity", options.directivity, array::directivity_words,
+              "how a transducer's sound depends on direction; affects pressures, and all solvers except naive");
   add_medium_options(app, options.medium);
 }
 
-void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who) {
+void refuse_beside_pressure(const FocusingOptions& options, const std::string& who) {
   if (options.constraint) throw bad_usage("--constraint: " + who + ", which replaces it; leave one of them out");
   if (options.solver == SolverChoice::greedy)
     throw bad_usage("--solver greedy: " + who + ", but it drives all transducers in full; use gs-pat or naive");
@@ -269,19 +274,19 @@ void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string&
     throw bad_usage(options.nulls_from + ": " + who + ", which nulls change; leave one of them out");
 }
 
-void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids) {
+void check(const FocusingOptions& options, std::span<const geometry::Solid> solids) {
   for (const geometry::Solid& solid : solids) {
     if (solid.haptics.pressure_pa)
       refuse_beside_pressure(options, fmt::format("mesh \"{}\" asks for a pressure", printable(solid.name, 60)));
   }
 }
 
-std::string asks_for_finger(const DriveOptionsGroup& options) {
+std::string asks_for_finger(const FocusingOptions& options) {
   if (options.solver == SolverChoice::adjoint) return "--solver adjoint";
   return options.transfer == TransferChoice::finger ? "--transfer finger" : "";
 }
 
-array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method, FingerMesh mesh) {
+array::DriveOptions drive_options(const FocusingOptions& options, touch::Method method, FingerMesh mesh) {
   if (options.solver == SolverChoice::adjoint && options.transfer == TransferChoice::free)
     throw bad_usage("--solver adjoint means naive with --transfer finger: leave --transfer free out");
   if (const std::string asks = asks_for_finger(options); !asks.empty() && mesh == FingerMesh::unknown) {

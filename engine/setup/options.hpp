@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/null.hpp"
 #include "array/schedule.hpp"
 #include "base/log.hpp"
 #include "base/outputs.hpp"
@@ -72,7 +73,7 @@ void add_solid_options(CLI::App& app, SolidOptions& options);
 
 /// From skin points to a schedule.
 struct TouchOptions {
-  touch::Parameters parameters;         ///< --delta, --finger-gap, --min-points, --foci
+  touch::FingerOptions parameters;      ///< --delta, --finger-gap, --min-points, --foci
   bool delta_given = false;             ///< --delta is on the line; otherwise, a tracker has a thicker shell
   std::optional<std::uint32_t> stride;  ///< empty: the usual stride for the number of foci
   double dwell_s = 1.5e-3;
@@ -133,7 +134,7 @@ enum class SolverChoice { naive, gs_pat, greedy, loudest, eigenvalue, back_propa
 enum class TransferChoice { free, finger };
 
 /// The options for computing drives.
-struct DriveOptionsGroup {
+struct FocusingOptions {
   array::Weighting weighting = array::Weighting::distance;
   std::optional<SolverChoice> solver;
   std::optional<TransferChoice> transfer;       ///< default: free
@@ -141,32 +142,34 @@ struct DriveOptionsGroup {
   std::optional<double> pressure_pa;            ///< at each focus, instead of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
-  std::vector<std::string> nulls;     ///< texts of --null (nulls.hpp), which only some commands have
+  std::vector<array::Null> nulls;     ///< of --null (nulls.hpp), which only some commands have
   std::string nulls_from = "--null";  ///< who asks for them, for messages
 };
 /// Whether a command has a finger's mesh, so that foci may be computed from the sound around it. If not, it has no
 /// --transfer.
 enum class FingerMesh { unknown, known };
-void add_drive_options(CLI::App& app, DriveOptionsGroup& options, FingerMesh mesh = FingerMesh::unknown);
+void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh = FingerMesh::unknown);
+/// Of these, only how sound gets from the transducers to a point: for drives that are given.
+void add_propagation_options(CLI::App& app, FocusingOptions& options);
 /// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and with nulls, and
 /// naive otherwise. Throws bad_usage if a pressure is requested with a constraint, with greedy or with nulls, and for
 /// nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets DriveOptions::nulls. Throws
 /// bad_usage for a finger's transfer unless the command has the finger's mesh; the command then sets
 /// DriveOptions::transfer.
-array::DriveOptions drive_options(const DriveOptionsGroup& options, touch::Method method = touch::Method::cross_section,
+array::DriveOptions drive_options(const FocusingOptions& options, touch::Method method = touch::Method::cross_section,
                                   FingerMesh mesh = FingerMesh::unknown);
 /// The option that requests a finger's transfer; empty if none does.
-std::string asks_for_finger(const DriveOptionsGroup& options);
+std::string asks_for_finger(const FocusingOptions& options);
 
 /// Called if `who` requests a pressure: throws bad_usage if the options have a constraint, greedy or nulls.
-void refuse_beside_pressure(const DriveOptionsGroup& options, const std::string& who);
+void refuse_beside_pressure(const FocusingOptions& options, const std::string& who);
 /// Throws bad_usage if one of the solids requests a pressure and the options a constraint, greedy or nulls.
-void check(const DriveOptionsGroup& options, std::span<const geometry::Solid> solids);
+void check(const FocusingOptions& options, std::span<const geometry::Solid> solids);
 
 /// An optional array.
 struct ArrayOptions {
   std::string layout;  ///< built-in name or file; empty: none
-  DriveOptionsGroup drive;
+  FocusingOptions drive;
 };
 /// Without --layout, the options of its drives are refused.
 void add_array_options(CLI::App& app, ArrayOptions& options);

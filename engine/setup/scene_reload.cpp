@@ -87,7 +87,7 @@ void SceneReload::work() {
       if (ends_) return;
       if (look_at_scene(file_) != now) continue;  // it is being written, and will be read again
       ++refused_;
-      log::warning(fmt::format("--reload: the scene before goes on: {}", error.what()));
+      log::warning(fmt::format("--reload: palpa keeps the previous scene: {}", error.what()));
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "array/drive.hpp"
 #include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"

@@ -4,8 +4,8 @@
 #include <span>
 #include <string>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/medium.hpp"
 #include "base/math.hpp"
 #include "geometry/solid.hpp"
 #include "sensing/surroundings.hpp"

@@ -9,7 +9,7 @@
 
 namespace palpa::touch {
 
-void check_parameters(const Parameters& parameters, const PreparedSolids& solids) {
+void check_parameters(const FingerOptions& parameters, const PreparedSolids& solids) {
   if (!std::isfinite(parameters.delta_m) || parameters.delta_m <= 0) {
     throw bad_usage(fmt::format("delta is {} m: give a positive length such as 1.5mm", parameters.delta_m));
   }

@@ -10,6 +10,6 @@ namespace palpa::touch {
 /// and not negative, 1 <= foci <= max_foci, and the solids are prepared for these parameters. Also throws bad_usage if
 /// the gap is so small compared with the largest solid (1/18,000 of half its size) that single precision could not
 /// place a contact in a cell.
-void check_parameters(const Parameters& parameters, const PreparedSolids& solids);
+void check_parameters(const FingerOptions& parameters, const PreparedSolids& solids);
 
 }  // namespace palpa::touch

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t most_times = 32;
 
-PreparedSolids checked(PreparedSolids solids, const Parameters& parameters) {
+PreparedSolids checked(PreparedSolids solids, const FingerOptions& parameters) {
   check_parameters(parameters, solids);
   return solids;
 }

@@ -107,7 +107,7 @@ class Stage {
   Fingers fingers_;
   std::uint32_t stride_ = 1;
   // The frame in progress.
-  Parameters parameters_;
+  FingerOptions parameters_;
   std::span<const sensing::DepthFrame> images_;
   std::vector<sensing::Crop> crops_;
   std::vector<shader::SkinVolume> volumes_;

@@ -27,7 +27,7 @@ inline constexpr std::uint32_t known_again = 128;    ///< skin that has just lef
 inline constexpr std::uint32_t known_members = 256;  ///< contacts that join or leave a finger are no motion of it
 
 struct StageSetting {
-  Parameters parameters;
+  FingerOptions parameters;
   /// Fingers keep their ids from frame to frame; frames must come in the order of their capture. If false, each frame
   /// stands alone and the next five members have no effect.
   bool follow = false;
@@ -54,8 +54,8 @@ struct StageSetting {
   /// Whether the fingers of the frame before decide with the depth frames.
   bool knows(bool cameras) const { return follow && hysteresis == Hysteresis::on && looks_again(cameras); }
   /// With known fingers, clusters with half as many contacts may be fingers.
-  Parameters searched(const Parameters& given, bool cameras) const {
-    Parameters p = given;
+  FingerOptions searched(const FingerOptions& given, bool cameras) const {
+    FingerOptions p = given;
     if (knows(cameras) && (hysteresis_rules & known_few) != 0) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
     return p;
   }

@@ -45,7 +45,7 @@ inline constexpr Word<Smoothing> smoothing_words[] = {{"one-euro", Smoothing::on
 enum class Hysteresis { on, off };
 inline constexpr Word<Hysteresis> hysteresis_words[] = {{"on", Hysteresis::on}, {"off", Hysteresis::off}};
 
-struct Parameters {
+struct FingerOptions {
   double delta_m = 1.5e-3;       ///< thickness of the shell (paper: delta)
   double finger_gap_m = 5e-3;    ///< Euclidean tolerance: contacts no farther apart are in one finger
   std::uint32_t min_points = 5;  ///< clusters with fewer contacts are not fingers

@@ -230,7 +230,8 @@ def shard_of(shard, variables=os.environ):
 
 
 def of_shard(cases, index, count):
-    """The cases of a shard: some runs of neighbours, which often share a model or a finger. They are dealt to and fro."""
+    """The cases of a shard: some runs of neighbours, which often share a model or a finger. The order of the
+    shards turns round after each turn, so that cases which cost more and more are shared out evenly."""
     size, mine = max(1, len(cases) // (8 * count)), []
     for at, case in enumerate(cases):
         turn, place = divmod(at // size, count)

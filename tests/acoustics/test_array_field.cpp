@@ -16,6 +16,7 @@
 #include "acoustics/field/asked_field.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "acoustics/rigs.hpp"
+#include "array/drive.hpp"
 #include "array/focus_sets.hpp"
 
 namespace palpa::acoustics {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "support/device.hpp"
 

@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::array {
 

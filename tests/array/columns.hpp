@@ -5,8 +5,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/free_field.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/solvers/hearing.hpp"
 #include "focus_sets.hpp"
 

@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
 
 namespace palpa::array {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "array/drive.hpp"
 #include "array/farthest.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"

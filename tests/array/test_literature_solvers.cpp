@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "acoustics/field/pressure.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/solvers/complex_system.hpp"
+#include "array/transducer_drive.hpp"
 #include "backends.hpp"
 
 namespace palpa::array {

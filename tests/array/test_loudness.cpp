@@ -8,6 +8,7 @@
 
 #include "acoustics/field/pressure.hpp"
 #include "acoustics/rigs.hpp"
+#include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/loudness.hpp"

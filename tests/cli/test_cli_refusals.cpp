@@ -119,7 +119,7 @@ TEST_F(Refusals, OfATouchSayWhatIsWrong) {
 }
 
 TEST_F(Refusals, OfADriveSayWhatIsWrong) {
-  const std::string radius = "radius r from 0 to 5mm", who = "finger 1 of " + in("loud.json") + " asks for a pressure";
+  const std::string radius = "radius from 0 to 5mm", who = "finger 1 of " + in("loud.json") + " asks for a pressure";
   std::string many;
   for (int i = 0; i < 65; ++i)
     many += " --null " + std::to_string(i) + "mm,2cm,150mm";
@@ -137,7 +137,7 @@ TEST_F(Refusals, OfADriveSayWhatIsWrong) {
             {"--focus -78.75mm,78.75mm,0", "transducer 0"},
             {"--pattern IN/pattern.toml", in("pattern.toml") + ": line 3", 4},
             // A user who gave no --null does not read of it.
-            {"--pattern carter", "--pattern carter: null '"}}},
+            {"--pattern carter", "--pattern carter: null "}}},
           {board + focus,
            {{"--temperature 20 --sound-speed 343", "--sound-speed"},
             {"--null 1,2", "x,y,z"},

@@ -16,7 +16,7 @@ PLACES = {
     "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made and the recording that it replaces",
     "engine/setup/program.cpp": "/dev/null",
     "engine/study/sitting/participant_folder.cpp": "makes the folders of a participant, and removes temporary files from them", "engine/study/sitting/withdrawal.cpp": "erases a participant who withdraws",
-    "viewer/run/film.cpp": "makes its folder", "viewer/options/settings.cpp": "makes the folder of the settings, palpa's own",
+    "viewer/run/film.cpp": "makes its folder", "viewer/options/preferences.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",
     "driver/rosbag/bag.cpp": "reads a bag as a stream; asks itself",
     "driver/sonicsurface/line.cpp": "a serial port", "driver/sonicsurface/emulated/pty.cpp": "a terminal of its own",

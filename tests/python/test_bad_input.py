@@ -110,7 +110,7 @@ def test_errors_of_the_callers_arrays_are_theirs(cube, openmpd):
     (lambda a: a.solve([0, 0, 0.15], nulls=[0, 0.02]), "shape (2,)"),
     (lambda a: a.solve([0, 0, 0.15], nulls=[0, np.nan, 0.15]), "not finite"),
     (lambda a: a.solve([0, 0, 0.15], nulls=[0, 0.02, 0.15], null_radius=[1e-3, 1e-3]), "2 for 1 null"),
-    (lambda a: a.solve([0, 0, 0.15], nulls=[0, 0.02, 0.15], null_radius=-1e-3), "radius r from 0 to 5mm"),
+    (lambda a: a.solve([0, 0, 0.15], nulls=[0, 0.02, 0.15], null_radius=-1e-3), "radius from 0 to 5mm"),
     (lambda a: a.solve([0, 0, 0.15], null_radius=1e-3), "goes with nulls"),
     (lambda a: a.solve([0, 0, 0.15], nulls=[0, 0, 0.15], backend="cpu"), "closer than the array resolves"),
     (lambda a: a.solve([0, 0, 0.15], nulls=[0, 0.02, 0.15], solver="greedy"), "--solver gs-pat"),

@@ -270,9 +270,9 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
     scene.write_bytes(whole.replace(b'"name":"cube"', b'"name":"tube"'))  # in place
     command.touches("tube")
     scene.write_bytes(whole[:400])  # broken
-    command.says("the scene before goes on")
+    command.says("palpa keeps the previous scene")
     command.touches("tube")
-    with scene.open("wb") as file:  # in steps, while which the scene before goes on
+    with scene.open("wb") as file:  # in steps; meanwhile, palpa keeps the previous scene
         for at in range(0, len(whole), 64):
             file.write(whole[at:at + 64])
             file.flush()
@@ -289,7 +289,7 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
     assert stats["reload"]["taken"] == 3
     # Where the machine stood still, a half written scene may have looked complete, or nobody has seen that there was none.
     assert 1 <= stats["reload"]["refused"] <= 4
-    assert len(lines) == stats["reload"]["refused"] and all("the scene before goes on: " in line and "scene.glb" in line for line in lines)
+    assert len(lines) == stats["reload"]["refused"] and all("palpa keeps the previous scene: " in line and "scene.glb" in line for line in lines)
     order = [event["solid"] for event in command.events() if event["event"] == "touch"]
     assert [solid for n, solid in enumerate(order) if n == 0 or order[n - 1] != solid] == ["cube", "tube", "cube", "cupe"]
     held = {}

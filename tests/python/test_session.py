@@ -354,7 +354,7 @@ def test_points_pushed_into_a_run(cube, finger, tmp_path):
     assert kinds[0] == "touch" and kinds[-1] == "release"
 
 
-@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}, {"hold": "auto"}])
+@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}])
 def test_options_that_points_do_not_have(cube, options):
     with pytest.raises(palpa.BadUsage):
         palpa.Session(cube, source="points", backend="cpu", **options)

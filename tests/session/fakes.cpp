@@ -1,4 +1,5 @@
 #include "fakes.hpp"
+#include "array/drive.hpp"
 
 #include <algorithm>
 #include <cmath>

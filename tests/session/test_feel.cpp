@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
 #include "session/plan/scheduler.hpp"

@@ -16,6 +16,7 @@
 
 #include "acoustics/bodies/body_mesh.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
+#include "array/drive.hpp"
 #include "fakes.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "sensing/skin_twin.hpp"

@@ -91,7 +91,7 @@ struct InThePlate : TwoFrames {
   /// The contacts that the finger has after it has moved up by `lift_m`; none if it no longer touches then.
   std::uint32_t contacts_after(double lift_m, std::uint32_t min_points, bool holds) {
     seen.fingers[0].holds = holds;
-    touch::Parameters parameters;
+    touch::FingerOptions parameters;
     parameters.min_points = min_points;
     const touch::PreparedSolids prepared = touch::prepare_solids(solids, parameters);
     touch::Touch out;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "array/drive.hpp"
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
 #include "stepped_clock.hpp"

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "predict_chain.hpp"
 #include "session/plan/plan.hpp"
 #include "session/predict/capture_times.hpp"

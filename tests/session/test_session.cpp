@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "array/layouts/board_mesh.hpp"
 #include "array/loudness.hpp"
 #include "base/activity.hpp"
@@ -393,7 +394,7 @@ TEST_P(Touching, AnotherSceneComesBetweenTwoFrames) {
   EXPECT_EQ(first[1], "1 1 other");
   EXPECT_EQ(first[3], "1 1 other");
   EXPECT_EQ(first[4], "0 0 other") << "the pose holds from the frame before which it was set";
-  // The touch of the scene before ends before the next one's begins.
+  // The touch of the previous scene ends before the next one's begins.
   const auto release = std::ranges::find(live.told, EventKind::release, &Event::kind);
   const auto last_touch = std::find_if(live.told.rbegin(), live.told.rend(),
                                        [](const Event& event) { return event.kind == EventKind::touch; });

@@ -41,7 +41,7 @@ ScheduleOptions tuned() {
   options.tune = Tune::stride;
   return options;
 }
-const touch::Parameters thirteen{.foci = 13};
+const touch::FingerOptions thirteen{.foci = 13};
 /// At a depth of 3 mm; the default stride is 4.
 constexpr std::uint32_t of_spots = 5, of_array = 4;
 
@@ -50,7 +50,7 @@ std::uint32_t stride_of(const array::Schedule& schedule, std::size_t voice = 0) 
 }
 
 /// A finger in the cube, as a frame shows it.
-touch::Touch finger(const touch::Parameters& parameters = thirteen) {
+touch::Touch finger(const touch::FingerOptions& parameters = thirteen) {
   touch::Touch touch;
   const std::vector<geometry::Solid> solids = test::asset_solids("cube");
   touch::Stage(solids, {}, {.parameters = parameters}).touch(sensing::numbered(test::finger_at({0, -3e-3, 0})), touch);

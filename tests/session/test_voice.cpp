@@ -153,7 +153,7 @@ TEST(Haptics, AStrideThatLeavesFociOutIsTheFilesFault) {
   geometry::Haptics nine, five;
   nine.foci = 9;
   five.stride = 5;
-  const touch::Parameters parameters;
+  const touch::FingerOptions parameters;
   array::VoiceOptions voice{.stride = 3};
   const auto fault = [&](const std::vector<geometry::Haptics>& haptics) {
     return test::error_of([&] { resolve_haptics("scene.glb", test::solids_with(haptics), parameters, voice); });

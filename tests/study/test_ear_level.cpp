@@ -8,6 +8,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 #include "study/plan/plan_file.hpp"
 #include "study/sitting/ear_level.hpp"
 #include "support/shared_data.hpp"

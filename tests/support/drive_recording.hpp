@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 #include "support/files.hpp"
 
 namespace palpa::test {

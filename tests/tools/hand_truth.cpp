@@ -16,7 +16,7 @@
 namespace palpa::test {
 namespace {
 
-const touch::Parameters usual;
+const touch::FingerOptions usual;
 /// Skin so little above a surface, the sensor's noise brings into the shell.
 constexpr double noisy_m = 0.3e-3;
 

@@ -51,7 +51,7 @@ Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vec
 }
 
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-               const Parameters& parameters, int gpu_runs) {
+               const FingerOptions& parameters, int gpu_runs) {
   if (backend == Backend::cpu) {
     Touch out;
     Stage(solids, {}, {.parameters = parameters}).touch(indexed(points), out);
@@ -134,7 +134,7 @@ geometry::Solid everything() {
   return box(Vec3(-2), Vec3(2), "everything");
 }
 
-Parameters everything_is_contact(double gap, std::uint32_t min_points) {
+FingerOptions everything_is_contact(double gap, std::uint32_t min_points) {
   return {.delta_m = 10, .finger_gap_m = gap, .min_points = min_points, .foci = 10};
 }
 

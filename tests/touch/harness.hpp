@@ -35,7 +35,7 @@ class DeviceStage : public Stage {
 
 /// One touch of points whose index is their place. On the GPU, all runs in reused memory must agree.
 Touch touch_on(Backend backend, const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-               const Parameters& parameters = {}, int gpu_runs = 2);
+               const FingerOptions& parameters = {}, int gpu_runs = 2);
 /// The same on the device for any indices and setting; `times` gets the passes' times of the last of `runs`.
 Touch touch_on_device(std::span<const sensing::SkinPoint> points, const std::vector<geometry::Solid>& solids,
                       const StageSetting& setting, int runs = 1, std::vector<gpu::PassTime>* times = nullptr);
@@ -58,7 +58,7 @@ std::vector<glm::vec3> fingertip(std::uint32_t count, double depth, double x = 0
 std::vector<glm::vec3> random_points(std::uint32_t count, const Vec3& low, const Vec3& high, unsigned seed = 1);
 /// A box so large, with a delta so large, that every point near the origin is a contact.
 geometry::Solid everything();
-Parameters everything_is_contact(double gap = 5e-3, std::uint32_t min_points = 1);
+FingerOptions everything_is_contact(double gap = 5e-3, std::uint32_t min_points = 1);
 
 /// The partition as each contact's finger, or -1.
 std::vector<int> finger_of_contacts(const Touch& touch);

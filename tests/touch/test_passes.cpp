@@ -77,7 +77,7 @@ struct Guarded {
   }
 };
 
-void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& solids, const Parameters& parameters) {
+void record_all(VkCommandBuffer commands, Guarded& b, const PreparedSolids& solids, const FingerOptions& parameters) {
   static ContactsPass contacts(palpa::test::test_device());
   static ClustersPass clusters(palpa::test::test_device());
   contacts.prepare(solids, parameters);
@@ -120,7 +120,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffers) {
     const auto cloud = indexed(random_points(c.points, Vec3(-0.05), Vec3(0.05)));
     const std::vector<geometry::Solid> scene{everything(), cube()};
     const PreparedSolids solids = prepare_solids(scene);
-    const Parameters parameters = everything_is_contact(c.gap, 2);
+    const FingerOptions parameters = everything_is_contact(c.gap, 2);
     Guarded guarded(device, solids, cloud, {.points = c.points, .contacts = c.room});
     palpa::test::run_on_device([&](VkCommandBuffer commands) { record_all(commands, guarded, solids, parameters); });
     guarded.expect_intact();
@@ -169,7 +169,7 @@ TEST(TouchPassesByThemselves, StayInsideTheirBuffersWithDeepPoints) {
   const auto cloud = indexed(random_points(5000, {-0.02, -0.08, -0.02}, {0.02, 0, 0.02}));
   const std::vector<geometry::Solid> scene{cube()};
   const PreparedSolids solids = prepare_solids(scene);
-  const Parameters parameters{.delta_m = 4e-3, .finger_gap_m = 2e-3, .cluster = Cluster::inside};
+  const FingerOptions parameters{.delta_m = 4e-3, .finger_gap_m = 2e-3, .cluster = Cluster::inside};
   Touch twin;
   Stage(scene, {}, {.parameters = parameters}).touch(cloud, twin);
   for (const Capacity& capacity : {Capacity{.points = 5000, .contacts = 5000, .deep = 5000, .inside = true},

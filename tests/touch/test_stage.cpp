@@ -77,7 +77,7 @@ TEST(Stage, AStrideLeavesFingersWhereTheyAre) {
 }
 
 TEST(Stage, AtAStrideFewerContactsMakeAFinger) {
-  Parameters parameters;
+  FingerOptions parameters;
   parameters.min_points = 5;
   EXPECT_EQ(at_stride(parameters, 1).min_points, 5u);
   EXPECT_EQ(at_stride(parameters, 2).min_points, 3u) << "a cross-section needs three";

@@ -19,8 +19,8 @@ TEST(WholeTouch, TheGpuAgreesWithTheTwinBitForBit) {
   const std::vector<std::vector<geometry::Solid>> scenes{
       {cube()}, {half_ball({0, -0.02, 0}, 0.02, 1000)}, {ball({-0.01, -0.01, 0}, 0.0105, 80), cube()}};
   for (const auto& scene : scenes) {
-    for (const Parameters& parameters :
-         {Parameters{}, Parameters{.delta_m = 4e-3, .finger_gap_m = 0.5e-3, .foci = 7}}) {
+    for (const FingerOptions& parameters :
+         {FingerOptions{}, FingerOptions{.delta_m = 4e-3, .finger_gap_m = 0.5e-3, .foci = 7}}) {
       const Touch cpu = touch_on(Backend::cpu, points, scene, parameters);
       EXPECT_GT(cpu.contacts.size(), 30u);
       expect_identical(cpu, touch_on(Backend::gpu, points, scene, parameters));

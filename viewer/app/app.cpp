@@ -19,7 +19,7 @@
 namespace palpa::viewer {
 namespace {
 
-constexpr double lull_s = 0.1;           ///< the strip notices silence this soon, even if no frame comes
+constexpr double silence_check_s = 0.1;  ///< the strip notices silence this soon, even if no frame comes
 constexpr double tend_s = 1;             ///< a live run is looked after at least this often, see LiveSession::look
 constexpr double quit_again_s = 2;       ///< while the array sounds, a second press within this time quits
 constexpr double above_object_m = 0.03;  ///< where a held finger has room
@@ -80,7 +80,7 @@ void App::recall() {
     data_.messages.say(log::Level::warning, error.what());
   }
   const ViewerOptions& options = content_.options();
-  const Settings& recalled = memory_.recalled();
+  const Preferences& recalled = memory_.recalled();
   data_.state.layers = first_state(options, recalled.layers).layers;
   data_.state.dark = data_.state.dark || recalled.dark;
   if (!options.given.contains("--fine")) data_.state.fine = recalled.fine;
@@ -93,7 +93,7 @@ void App::recall() {
   memory_.begin(settings());
 }
 
-Settings App::settings() const {
+Preferences App::settings() const {
   return {.layers = data_.state.layers,
           .dark = data_.state.dark,
           .panels = data_.panels,
@@ -408,7 +408,7 @@ std::optional<double> App::next_s() const {
   if (content.opening) sooner(now_s_ + 0.1);
   if (data_.participant.says_how_to_leave) sooner(participant_.leave_line_until_s());
   if (content_.sounds().busy()) sooner(now_s_ + 0.03);
-  if (content.run.sounding) sooner(now_s_ + lull_s);
+  if (content.run.sounding) sooner(now_s_ + silence_check_s);
   if (content_.run().control().under_way()) sooner(now_s_ + (content.run.state == LiveState::loading ? 0.1 : tend_s));
   return next;
 }

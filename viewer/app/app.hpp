@@ -15,7 +15,7 @@
 #include "viewer/app/participant_control.hpp"
 #include "viewer/app/slice_placer.hpp"
 #include "viewer/hands/controls.hpp"
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 #include "viewer/panels/ui.hpp"
 #include "viewer/render/drawn_picture.hpp"
 
@@ -107,7 +107,7 @@ class App {
   LiveSession* session() { return content_.run().control().session(); }
 
  private:
-  Settings settings() const;
+  Preferences settings() const;
   void recall();
   void handle_in_picture(const WindowEvent& event, const Size& size);
   void handle_key(const WindowEvent& event);
@@ -139,7 +139,7 @@ class App {
   PanelData data_;
   Staleness stale_;
   log::Tail tail_;
-  SettingsMemory memory_;
+  PreferencesMemory memory_;
   std::optional<WindowPlace> window_;
   ContentControl content_;
   SlicePlacer slice_;

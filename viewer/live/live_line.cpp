@@ -16,7 +16,7 @@
 namespace palpa::viewer {
 namespace {
 
-using setup::RunOptions;
+using setup::RunCommand;
 
 /// The viewer reads a saved scene again also without --reload.
 void add_live_options(CLI::App& app, RunOptions& o) {

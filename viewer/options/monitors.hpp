@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 
 namespace palpa::viewer {
 

@@ -166,6 +166,15 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.text("--reference", o.reference, "FILE", "compares the last frame with this PNG [no comparison]");
   how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
              "mean difference from --reference above which the exit code is 1 [0.02]");
+
+  line::need(app, {"--target"}, "--eye");
+  line::need(app, {"--panels", "--screenshot", "--reference"}, "--headless");
+  line::need(app, {"--threshold"}, "--reference");
+  line::need(app, {"--monitor", "--screen", "--stereo"}, "--participant");
+  line::exclude(app, "--headless", {"--no-panels", "--monitor"});
+  line::exclude(app, "--participant", {"--target", "--inset"});
+  line::exclude(app, "--source", {"--points", "--depth", "--spectrum"});
+  line::exclude(app, "--eye", {"--view"});
 }
 
 namespace {
@@ -243,9 +252,6 @@ void refuse_idle_in_picture(const ViewerOptions& o) {
 }
 
 void refuse_idle(const ViewerOptions& o) {
-  if (o.headless) refuse_given(o, {"--no-panels"}, "goes with a window: leave it or --headless out");
-  if (!o.headless) refuse_given(o, {"--panels"}, "goes with --headless: a window has panels");
-  if (!o.eye.empty()) refuse_given(o, {"--view"}, "and --eye both set the viewpoint: give one of them");
   if (o.is_live()) {
     refuse_given(o, {"--camera"}, "goes with --depth: --source uses the cameras of --rig");
     refuse_given(o, {"--tune-shortest", "--tune-longest"},
@@ -268,8 +274,6 @@ void check(const ViewerOptions& o) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
   if (o.is_live()) {
-    if (has_skin(o)) throw bad_usage("--source and --points or --depth both set what touches: give one of them");
-    if (o.felt.spectrum) throw bad_usage("--spectrum goes with --points or --depth: it needs a touch");
     live_options(o.given);
   } else if (has_skin(o)) {
     setup::check(o.input);
@@ -304,14 +308,6 @@ void check(const ViewerOptions& o) {
     if (o.headless && (o.is_live() || !o.interact.empty()))
       throw bad_usage("--participant with --headless excludes --source and --interact");
     if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
-    if (!o.target.empty())
-      throw bad_usage("--target goes with --eye, not with --participant: a participant looks through the screen");
-    if (o.inset) throw bad_usage("--inset is not part of a participant's view");
-    if (!o.monitor.empty() && o.headless) throw bad_usage("--monitor goes with a window: leave it or --headless out");
-  } else if (!o.monitor.empty()) {
-    throw bad_usage("--monitor goes with --participant");
-  } else if (!o.screen.empty() || o.stereo != Stereo::none) {
-    throw bad_usage("--screen and --stereo go with --participant");
   }
   if (!o.is_live()) {
     for (const line::OptionInfo& info : live_table()) {
@@ -323,18 +319,11 @@ void check(const ViewerOptions& o) {
     throw bad_usage(
         "--barrier-gap: a barrier on the screen hides nothing; give a gap above 0, or below 0 for a barrier "
         "behind the screen");
-  if (o.panels && o.no_panels) throw bad_usage("--panels and --no-panels exclude each other");
-  if (!o.target.empty() && o.eye.empty()) throw bad_usage("--target goes with --eye");
   if (!o.eye.empty()) {
     const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
     if (point("--eye", o.eye) == target) throw bad_usage("--eye and --target are the same point");
   }
   picture_size(o);
-  if (!o.headless) {
-    if (!o.screenshot.empty()) throw bad_usage("--screenshot goes with --headless");
-    if (!o.reference.empty()) throw bad_usage("--reference goes with --headless");
-  }
-  if (o.threshold && o.reference.empty()) throw bad_usage("--threshold goes with --reference");
   setup::drive_options(o.drive);
   refuse_idle(o);
 }

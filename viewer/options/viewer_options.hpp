@@ -32,7 +32,7 @@ struct ViewerOptions : setup::EyesOptions {
   setup::TouchInputOptions input;  ///< all of it may be absent if there is a layout
   setup::TouchOptions touch;
   setup::FeltOptions felt;
-  setup::DriveOptionsGroup drive;
+  setup::FocusingOptions drive;
   setup::LiveOptions live;  ///< what only a live run has; all of its options are in `given`
   line::Given given;        ///< the whole command line
   /// Whether frames come from a source.

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "acoustics/felt/spectrum.hpp"
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "drawing/colour.hpp"
 #include "geometry/mesh/mesh.hpp"

@@ -11,7 +11,7 @@
 #include "line/help.hpp"
 #include "line/option_table.hpp"
 #include "line/parse.hpp"
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 #include "viewer/run/run.hpp"
 
 namespace palpa::viewer {
@@ -73,7 +73,7 @@ std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
 }
 
 void run_without_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
-  if (const auto settings = settings_file()) warn_of_settings(*settings);
+  if (const auto settings = preferences_file()) warn_of_preferences(*settings);
   if (options.is_live() || !options.interact.empty()) {
     run_scripted(options, kinds);
   } else {

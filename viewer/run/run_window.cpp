@@ -11,7 +11,7 @@
 #include "base/outputs.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/live/frame_gaps.hpp"
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 #include "viewer/panels/file_font.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/drawing_threads.hpp"
@@ -86,10 +86,10 @@ Size pixels_of(const Window& window) {
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   const Size size = picture_size(options);
   Script script(options);
-  if (const auto settings = settings_file()) add_own_file(*settings);  // before an output can be declared
+  if (const auto settings = preferences_file()) add_own_file(*settings);  // before an output can be declared
   const Outputs outputs(outputs_of(options, script, kinds));
   refuse_outputs_as_inputs(options);
-  const std::filesystem::path settings = settings_file().value_or("");
+  const std::filesystem::path settings = preferences_file().value_or("");
   const bool sized = options.given.contains("--size");
   // First, because nothing else makes sense without a display.
   Window window({.width = size.width,

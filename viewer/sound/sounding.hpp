@@ -6,8 +6,9 @@
 #include <span>
 
 #include "acoustics/air.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "session/plan/plan.hpp"
 #include "touch/types.hpp"

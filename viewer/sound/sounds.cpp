@@ -8,26 +8,26 @@ void Sounds::set_finger(const std::string& file) {
   heat_.reset();
 }
 
-void Sounds::heed(const std::string& fault) {
+void Sounds::keep_fault(const std::string& fault) {
   if (!fault.empty() && told_.insert(fault).second) faults_.push_back(fault);
 }
 
 Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, Picture& picture, double now_s) {
   Change change;
   busy_ = false;
-  const auto heed_of = [&](const auto& sound) {
+  const auto look_at = [&](const auto& sound) {
     busy_ = busy_ || sound.busy();
-    heed(sound.fault());
+    keep_fault(sound.fault());
   };
   if (state.layers.shows(Layer::heat) && now.layout && !finger_.empty()) {
     if (!heat_) heat_.emplace(finger_, now.air);
     change |= heat_->look(now, picture, state.skin_colour);
-    heed_of(*heat_);
+    look_at(*heat_);
   }
   if (state.layers.shows(Layer::slice) && now.layout) {
     if (!slice_) slice_.emplace(device_);
     change |= slice_->look(now, state.slice, picture, now_s);
-    heed_of(*slice_);
+    look_at(*slice_);
   }
   if (spectrum) {
     if (!felt_) felt_.emplace();
@@ -35,7 +35,7 @@ Change Sounds::look(const Sounding& now, const ViewState& state, bool spectrum, 
       spectra_ = felt_->spectra();
       change.marks = true;
     }
-    heed_of(*felt_);
+    look_at(*felt_);
   }
   return change;
 }

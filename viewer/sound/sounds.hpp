@@ -34,7 +34,7 @@ class Sounds {
   std::vector<std::string> faults() { return std::exchange(faults_, {}); }
 
  private:
-  void heed(const std::string& fault);
+  void keep_fault(const std::string& fault);
 
   std::string finger_;
   gpu::DeviceOptions device_;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "viewer/hands/controls.hpp"
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 
 namespace palpa::viewer {
 

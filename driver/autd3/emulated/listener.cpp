@@ -13,6 +13,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 #include "driver/autd3/pattern.hpp"
 
@@ -71,7 +72,7 @@ void Listener::serve(EmulatedServer& server, const std::atomic<bool>& stop, std:
     setsockopt(client.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     {
       const std::lock_guard held(lock);
-      server.welcome();
+      server.connected();
     }
     for (bool goes_on = true; goes_on && !stop;) {
       if (!readable(client.get())) continue;
@@ -87,7 +88,7 @@ void Listener::serve(EmulatedServer& server, const std::atomic<bool>& stop, std:
       if (!send_all(client.get(), answer)) break;
     }
     const std::lock_guard held(lock);
-    if (!stop) server.farewell(device_time_s());
+    if (!stop) server.disconnected(device_time_s());
   }
 }
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
+#include "base/descriptor.hpp"
 #include "driver/autd3/emulated/server.hpp"
-#include "driver/guard/channel.hpp"
 
 namespace palpa::driver::autd3 {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 #include "driver/emulate/violations.hpp"
 #include "driver/openmpd/board_file.hpp"
 #include "driver/openmpd/emulated/fpga.hpp"

@@ -15,7 +15,9 @@
 #include <thread>
 #include <utility>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/now.hpp"
 
 namespace palpa::driver::sonicsurface {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "driver/guard/channel.hpp"
+#include "base/descriptor.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
 
 namespace palpa::driver::sonicsurface {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "acoustics/bodies/radiation.hpp"
+#include "array/drive.hpp"
 #include "base/parallel.hpp"
 
 namespace palpa::acoustics {

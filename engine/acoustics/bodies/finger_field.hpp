@@ -14,7 +14,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/focus_field.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {

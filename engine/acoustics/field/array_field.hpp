@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "acoustics/field/focus_field.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/farthest.hpp"
+#include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 

@@ -20,8 +20,8 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident_kernels.hpp"
 #include "array/directivity.hpp"
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::acoustics {
 

@@ -1,4 +1,5 @@
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "array/directivity.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
+#include "array/transfer.hpp"
 
 namespace palpa::acoustics {
 

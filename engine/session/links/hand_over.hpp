@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 
 namespace palpa::session {
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/slots.hpp"

@@ -12,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "array/drive.hpp"
 #include "base/log.hpp"
 #include "sensing/skin_twin.hpp"
 

@@ -22,7 +22,6 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/tracked_finger.hpp"
-#include "array/drive.hpp"
 #include "array/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"

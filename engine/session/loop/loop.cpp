@@ -121,7 +121,8 @@ void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue*
     ++stats.captured;
     if (options.every_frame) wait_until_taken(frames, stopped);
     next.arrived_s = clock.now();
-    next.captured_s = source_clock.capture_time(next.set.time_s, next.arrived_s);
+    // Another program pushes points when it knows them, and its times may be those of a simulation.
+    next.captured_s = next.set.pushed ? next.arrived_s : source_clock.capture_time(next.set.time_s, next.arrived_s);
     if (options.every_frame) {
       times.see(next.set.time_s);
     } else {
@@ -236,6 +237,7 @@ bool Compute::start() {
   if (begin_s < 0) begin_s = frame.arrived_s;
   const SkinFrame started{.images = frame.set.frames,
                           .capsules = frame.set.capsules,
+                          .points = frame.set.points,
                           .sequence = frame.set.sequence,
                           .time_s = frame.set.time_s,
                           .captured_s = frame.captured_s,

@@ -1,4 +1,4 @@
-// What watches a run: run_loop, Session::run and run_points report to it.
+// What watches a run: run_loop and Session::run report to it.
 #pragma once
 
 #include <cstdint>

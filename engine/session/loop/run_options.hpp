@@ -1,4 +1,4 @@
-// The options of a run, for run_loop, Session::run and run_points.
+// The options of a run, for run_loop and Session::run.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class RunChanges {
   virtual ~RunChanges() = default;
   /// Before each frame is started: a Session::set_pose in it holds from this frame on.
   virtual void before_frame(Session&) {}
-  /// Of Session::run only: whether another scene waits. No frame is started until those in progress are done; then
+  /// Whether another scene waits. No frame is started until those in progress are done; then
   /// comes take_scene(), which calls exchange_scene().
   virtual bool has_scene() const { return false; }
   virtual void take_scene(Session&) {}
@@ -32,7 +32,7 @@ struct RunOptions {
   RunObserver* observer = &no_observer;  ///< never null
   /// Gets the events before the observer does. Only of a session whose setting has events; run_loop makes none.
   EventSink* events = nullptr;
-  RunChanges* changes = nullptr;  ///< of Session::run and run_points; run_loop makes none
+  RunChanges* changes = nullptr;  ///< of Session::run; run_loop makes none
   /// Called with every frame, e.g. to record it, on a separate thread, so that a slow disk does not delay touches. If
   /// frames come while it is busy, they wait, and are recorded after the loop's end at the latest. Frames for which
   /// there is no room are left out (never with every_frame) and counted as `unrecorded`; so are those that still wait

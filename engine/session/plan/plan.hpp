@@ -9,10 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
+#include "array/layouts/layout.hpp"
 #include "array/loudness.hpp"
 #include "array/schedule.hpp"
 #include "array/slot_drives.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"

@@ -4,6 +4,7 @@
 #include <complex>
 
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 
 namespace palpa::session {
 

@@ -16,8 +16,9 @@ namespace palpa::session {
 static_assert(acoustics::StrideTuner::most_fingers >= touch::max_fingers);
 static_assert(acoustics::most_ring_foci >= touch::max_foci);
 
-Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
-                     const ScheduleOptions& options, const acoustics::FocusField* field, double hold_s)
+Scheduler::Scheduler(const std::string& scene, std::span<const geometry::Solid> solids,
+                     const touch::FingerOptions& touch, const ScheduleOptions& options,
+                     const acoustics::FocusField* field, double hold_s)
     : solids_(resolve_haptics(scene, solids, touch, options.voice)),
       foci_(touch.foci),
       options_(options),

@@ -60,7 +60,7 @@ class Scheduler {
   /// For touches of these solids, found with these parameters. Throws as resolve_haptics does. Tune::all uses the
   /// foci's sound from `field`, which must outlive this object. Without `field`, and for Tune::stride, foci are spots.
   /// `hold_s` is the session's.
-  Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::Parameters& touch,
+  Scheduler(const std::string& scene, std::span<const geometry::Solid> solids, const touch::FingerOptions& touch,
             const ScheduleOptions& options, const acoustics::FocusField* field = nullptr, double hold_s = 0.1);
   ~Scheduler();
   Scheduler(Scheduler&&) noexcept;

@@ -7,7 +7,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/focus_field.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
@@ -34,12 +34,13 @@ struct SessionSetting {
   std::vector<geometry::Solid> solids;
   std::vector<sensing::Camera> cameras;  ///< none: skin comes as points or from a tracker; otherwise as depth frames
   bool tracked = false;                  ///< without cameras: a tracker of hands gives capsules
+  bool pushed = false;                   ///< without cameras: while it runs, another program pushes points
   array::Layout layout;                  ///< as posed in the world; without transducers, nothing is driven
   /// With cameras: skin on the layout's boards counts. Otherwise, points on the boards are no skin.
   bool keep_boards = false;
   /// With cameras: other things that are no skin. With cameras or a tracker: the room outside which nothing is.
   sensing::Surroundings surroundings{};
-  touch::Parameters touch;
+  touch::FingerOptions touch;
   ScheduleOptions schedule;
   array::DriveOptions drive;
   OwnSolver own_solver{};  ///< instead of the solver of `drive`; no finger may request a pressure
@@ -73,7 +74,9 @@ struct SessionSetting {
   bool frame_by_frame = false;
 
   /// Whether it has everything that run() needs.
-  bool live() const { return !frame_by_frame && (!cameras.empty() || tracked) && !layout.transducers.empty(); }
+  bool live() const {
+    return !frame_by_frame && (!cameras.empty() || tracked || pushed) && !layout.transducers.empty();
+  }
 };
 
 /// The boards of a layout that is posed in the world.

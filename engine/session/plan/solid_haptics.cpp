@@ -15,7 +15,8 @@ std::int64_t nanoseconds(double seconds) {
   return std::llround(seconds * 1e9);
 }
 
-SolidHaptics resolve(const geometry::Haptics& asked, const touch::Parameters& touch, const array::VoiceOptions& voice) {
+SolidHaptics resolve(const geometry::Haptics& asked, const touch::FingerOptions& touch,
+                     const array::VoiceOptions& voice) {
   SolidHaptics haptics{asked.foci.value_or(touch.foci), voice, asked.foci || asked.stride || asked.dwell_s};
   haptics.voice.stride = asked.stride.value_or(voice.stride.value_or(geometry::default_stride(haptics.foci)));
   haptics.voice.dwell_s = asked.dwell_s.value_or(voice.dwell_s);
@@ -27,7 +28,7 @@ SolidHaptics resolve(const geometry::Haptics& asked, const touch::Parameters& to
 }  // namespace
 
 std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<const geometry::Solid> solids,
-                                          const touch::Parameters& touch, const array::VoiceOptions& voice) {
+                                          const touch::FingerOptions& touch, const array::VoiceOptions& voice) {
   if (voice.stride) {
     const std::string fault = geometry::stride_fault(touch.foci, *voice.stride);
     if (!fault.empty()) throw bad_usage(fault);

@@ -22,7 +22,7 @@ struct SolidHaptics {
 /// common stride and foci share a divisor, so that some foci would never sound, or if the common pressure is out of
 /// range. Throws bad_input naming `scene` and node if this holds for a solid's own values.
 std::vector<SolidHaptics> resolve_haptics(const std::string& scene, std::span<const geometry::Solid> solids,
-                                          const touch::Parameters& touch, const array::VoiceOptions& voice);
+                                          const touch::FingerOptions& touch, const array::VoiceOptions& voice);
 
 /// The duration of one drive that suits the dwells of all solids: their greatest common divisor, in whole nanoseconds.
 /// If that is less than shortest_slot_s, the shortest dwell is used, and longer dwells are then correct only on

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "array/schedule.hpp"
+#include "base/math.hpp"
 #include "session/predict/finger_motions.hpp"
 #include "session/predict/kept_frames.hpp"
 #include "session/predict/prediction.hpp"
@@ -32,7 +33,7 @@ struct PredictorSetting {
   PredictOptions options;
   CameraView view;
   const touch::PreparedSolids& solids;  ///< in their current poses
-  touch::Parameters parameters;
+  touch::FingerOptions parameters;
   std::uint32_t cycle = 10;  ///< slots
   double slot_s = 1.5e-3;
 };

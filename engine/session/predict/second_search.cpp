@@ -59,7 +59,7 @@ Box contact_box(const touch::Finger& finger) {
 }
 
 SecondSearch::SecondSearch(const CameraView& view, const touch::PreparedSolids& solids,
-                           const touch::Parameters& parameters)
+                           const touch::FingerOptions& parameters)
     : view_(view),
       solids_(solids),
       parameters_(parameters),
@@ -105,7 +105,7 @@ std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t 
 }
 
 bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
-                        const touch::Parameters& parameters, touch::Touch& out) const {
+                        const touch::FingerOptions& parameters, touch::Touch& out) const {
   find_contacts(points, solids_, parameters, {}, out);
   touch::Finger& found = out.fingers[0];
   found.solid = finger.solid;
@@ -123,7 +123,7 @@ bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::Sk
 }
 
 bool SecondSearch::is_near(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
-                           const touch::Parameters& parameters) {
+                           const touch::FingerOptions& parameters) {
   if (finger.inward == glm::vec3(0)) return false;
   constexpr float everywhere = 3.0e38F;
   reach_.count = 1;
@@ -139,7 +139,7 @@ bool SecondSearch::is_near(const touch::Finger& finger, std::span<const sensing:
 bool SecondSearch::move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames,
                         touch::Touch& out) {
   const touch::Finger& finger = seen.fingers[f];
-  const touch::Parameters parameters = touch::at_stride(parameters_, take_points(seen, f, frames, way));
+  const touch::FingerOptions parameters = touch::at_stride(parameters_, take_points(seen, f, frames, way));
   // If the skin was not kept, nothing is known of it.
   if (!find(finger, points_, parameters, before_)) {
     add_moved(seen, f, way, out);

@@ -20,7 +20,7 @@ Box contact_box(const touch::Finger& finger);
 class SecondSearch {
  public:
   /// `solids` are those of the session's stage, which may move; both must outlive this object.
-  SecondSearch(const CameraView& view, const touch::PreparedSolids& solids, const touch::Parameters& parameters);
+  SecondSearch(const CameraView& view, const touch::PreparedSolids& solids, const touch::FingerOptions& parameters);
 
   /// The skin that moves with a finger is within this distance of its contacts' box.
   double reach_m() const { return reach_m_; }
@@ -37,14 +37,14 @@ class SecondSearch {
  private:
   std::uint32_t take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way);
   bool find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
-            const touch::Parameters& parameters, touch::Touch& out) const;
+            const touch::FingerOptions& parameters, touch::Touch& out) const;
   /// Whether some of the points are contacts of the finger's solid, or would be 0.5 mm deeper or shallower.
   bool is_near(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
-               const touch::Parameters& parameters);
+               const touch::FingerOptions& parameters);
 
   CameraView view_;
   const touch::PreparedSolids& solids_;
-  touch::Parameters parameters_;
+  touch::FingerOptions parameters_;
   double reach_m_;
   std::uint32_t stride_ = 1;
   // Scratch that keeps its storage.

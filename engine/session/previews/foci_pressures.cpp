@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 #include "session/loop/output.hpp"
 
 namespace palpa::session {

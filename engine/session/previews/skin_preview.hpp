@@ -18,7 +18,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_cache.hpp"
 #include "acoustics/bodies/radiation.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"

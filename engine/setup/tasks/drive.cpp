@@ -9,8 +9,10 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_mesh.hpp"
+#include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/nulls.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/json_writer.hpp"
@@ -27,7 +29,7 @@ namespace palpa::setup {
 namespace {
 
 /// Without absorption, as in the solvers.
-acoustics::Air air_of_solvers(const DriveOptionsGroup& drive) {
+acoustics::Air air_of_solvers(const FocusingOptions& drive) {
   return acoustics::without_absorption(air(drive.medium, {}));
 }
 
@@ -73,7 +75,7 @@ void check_pressures(const DriveTask& task, const array::Schedule& touch) {
 }
 
 /// Sets the pressure for each voice that does not request one itself.
-void ask_for_pressure(const DriveOptionsGroup& drive, array::Schedule& schedule) {
+void ask_for_pressure(const FocusingOptions& drive, array::Schedule& schedule) {
   for (array::Voice& voice : schedule.voices) {
     if (voice.pressure_pa == 0) voice.pressure_pa = drive.pressure_pa.value_or(0);
   }
@@ -130,15 +132,12 @@ array::Drive drive_by(const Computer& by, const array::Layout& layout, std::span
 }
 
 /// A pattern's points become foci. Its silent places, and the solver that it needs, go into `drive`.
-std::vector<AskedFocus> foci_of_pattern(const std::string& name, DriveOptionsGroup& drive) {
+std::vector<AskedFocus> foci_of_pattern(const std::string& name, FocusingOptions& drive) {
   const Pattern pattern = load_pattern(name);
   std::vector<AskedFocus> foci;
   for (const auto& [position, amplitude] : pattern.points)
     foci.push_back({position, amplitude});
-  for (const array::Null& null : pattern.nulls) {
-    const Vec3& at = null.position;
-    drive.nulls.push_back(fmt::format("{},{},{},{}", at.x, at.y, at.z, null.radius_m));
-  }
+  drive.nulls.insert(drive.nulls.end(), pattern.nulls.begin(), pattern.nulls.end());
   drive.nulls_from = "--pattern " + name;
   if (!drive.solver) drive.solver = SolverChoice::gs_pat;
   return foci;
@@ -168,12 +167,12 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
 }
 
 /// Refuses values that the command line refuses during parsing.
-void check_values(const DriveOptionsGroup& drive) {
+void check_values(const FocusingOptions& drive) {
   air_of_solvers(drive);  // refuses invalid air and tones
   check_pressure(drive.pressure_pa);
 }
 
-DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
                        const Computer& by) {
   if (foci.empty()) throw bad_usage("no focus is given");
   if (layout.transducers.empty()) throw bad_usage(fmt::format("the layout {} has no transducers", layout.name));
@@ -315,25 +314,24 @@ DriveSpread spread_of_drive(const DriveResult& result, const MediumOptions& medi
   return ranges;
 }
 
-FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const DriveOptionsGroup& drive)
+FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const FocusingOptions& drive)
     : body(std::move(mesh), air_of_solvers(drive).wave_number()),
       sound(body, layout, air_of_solvers(drive), drive.directivity),
       transducers(layout.transducers.size()) {}
 
 std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
-                                               const array::Layout& layout, const DriveOptionsGroup& drive,
-                                               bool force) {
+                                               const array::Layout& layout, const FocusingOptions& drive, bool force) {
   geometry::Mesh body = body_of(name, mesh, air_of_solvers(drive), force);
   acoustics::check_clear_of(name, body, layout);
   return std::make_unique<FingerInSound>(std::move(body), layout, drive);
 }
 
-DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
                        const gpu::Device* device) {
   return drive_foci(layout, foci, drive, {.device = device});
 }
 
-DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
                        FingerInSound& finger) {
   return drive_foci(layout, foci, drive, {.finger = &finger});
 }
@@ -342,7 +340,7 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   check(task);
   PlayedTouch played;
   if (!task.touch.empty()) played = task.touch_json ? read_touch(task.touch, *task.touch_json) : load_touch(task.touch);
-  DriveOptionsGroup drive = task.drive;
+  FocusingOptions drive = task.drive;
   std::vector<AskedFocus> pattern;
   if (!task.pattern.empty()) pattern = foci_of_pattern(task.pattern, drive);
   array::DriveOptions options =

@@ -16,9 +16,10 @@
 #include "acoustics/bodies/finger_transfer.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/pressure.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/resolution.hpp"
+#include "array/transducer_drive.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"
 #include "setup/load.hpp"
@@ -40,7 +41,7 @@ struct DriveTask {
   std::optional<std::uint32_t> slot;   ///< in that touch's order, default 0
   std::string rig;                     ///< gives the array's pose for that touch; empty: the layout's default pose
   std::optional<PlacedLayout> placed;  ///< the array itself, instead of `layout` and `rig`
-  DriveOptionsGroup drive;
+  FocusingOptions drive;
   std::string mesh;    ///< finger for a finger's transfer: a closed mesh in the layout's frame
   bool force = false;  ///< allow a finger that is too coarse for the wavelength
   SpreadOptions spread;
@@ -84,8 +85,8 @@ struct FingerInSound {
   /// `body` must come from body_of (setup/body.hpp) for this air, be clear of the array (acoustics::check_clear_of),
   /// and be in the layout's frame. `layout` must outlive this object. The air is that of `drive`, without absorption,
   /// as in the solvers.
-  FingerInSound(geometry::Mesh body, const array::Layout& layout, const DriveOptionsGroup& drive);
-  FingerInSound(geometry::Mesh body, array::Layout&& layout, const DriveOptionsGroup& drive) = delete;
+  FingerInSound(geometry::Mesh body, const array::Layout& layout, const FocusingOptions& drive);
+  FingerInSound(geometry::Mesh body, array::Layout&& layout, const FocusingOptions& drive) = delete;
   FingerInSound(const FingerInSound&) = delete;  // `sound` refers to `body`
   FingerInSound& operator=(const FingerInSound&) = delete;
 
@@ -95,22 +96,22 @@ struct FingerInSound {
 };
 /// The same with all checks, for a closed mesh that messages call `name`. Throws as load_body and check_clear_of do.
 std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
-                                               const array::Layout& layout, const DriveOptionsGroup& drive,
+                                               const array::Layout& layout, const FocusingOptions& drive,
                                                bool force = false);
 std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
-                                               array::Layout&& layout, const DriveOptionsGroup& drive,
+                                               array::Layout&& layout, const FocusingOptions& drive,
                                                bool force = false) = delete;
 
 /// The drive of foci that sound together, computed on `device`, or on the processor if that is null;
 /// array/drive_pass.hpp says how closely they agree. Throws bad_usage as drive_options and schedule_of do, if there is
 /// no focus or no transducer, and for air, tone or pressure that the command line would refuse. Warns of unusual
 /// values.
-DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
                        const gpu::Device* device = nullptr);
 /// The same on a finger, which must be made for this layout and these options; bad_usage if it is for a layout of
 /// another size. `drive` need not request its transfer.
 /// Computed on the processor.
-DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const DriveOptionsGroup& drive,
+DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
                        FingerInSound& finger);
 
 /// The sound of this drive at its foci in free air, for `count` arrays as built (array/as_built.hpp) in air of these

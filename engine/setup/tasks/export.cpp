@@ -26,7 +26,7 @@ void refuse_given(std::initializer_list<std::pair<const char*, bool>> options, c
 void refuse_idle(const ExportTask& task, std::span<const geometry::Solid> solids) {
   const ExportTask usual;
   const TouchOptions& touch = task.touch;
-  const DriveOptionsGroup &drive = task.drive, &usual_drive = usual.drive;
+  const FocusingOptions &drive = task.drive, &usual_drive = usual.drive;
   const bool drives = !task.drives.empty(), foci = !task.foci.empty();
   // Requested pressures are reported even if no drives are written.
   const bool pressure = drive.pressure_pa || std::ranges::any_of(solids, [](const geometry::Solid& solid) {

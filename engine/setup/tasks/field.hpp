@@ -14,8 +14,9 @@
 
 #include "acoustics/air.hpp"
 #include "array/directivity.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "gpu/device.hpp"
 #include "setup/options.hpp"
 #include "setup/places.hpp"
@@ -29,7 +30,7 @@ struct FieldTask {
   std::string drive_file;         ///< a drive of that layout, in the format of drive_csv (drive_file.hpp),
   std::vector<std::string> foci;  ///< or foci for which a drive is made: texts for schedule_of (foci.hpp)
   PlaceOptions place;
-  DriveOptionsGroup drive;  ///< with a drive's file, only directivity and medium are used
+  FocusingOptions drive;  ///< with a drive's file, only directivity and medium are used
   AirOptions air;
   SpreadOptions spread;
 };

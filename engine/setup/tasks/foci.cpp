@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "array/drive.hpp"
 #include "array/loudness.hpp"
 #include "array/plausible.hpp"
 #include "base/error.hpp"

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 
 namespace palpa::setup {

@@ -42,7 +42,7 @@ struct SimulateTask {
   TouchOptions touch;
   FeltOptions in_time;
   RigOptions rig;  ///< gives the array
-  DriveOptionsGroup drive;
+  FocusingOptions drive;
   AirOptions air;
   SpreadOptions spread;
 };

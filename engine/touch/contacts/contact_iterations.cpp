@@ -45,7 +45,7 @@ std::uint64_t longest_of_parts(const PreparedSolids& solids, const shader::Solid
 
 }  // namespace
 
-std::uint32_t contact_iterations(const PreparedSolids& solids, const Parameters& parameters) {
+std::uint32_t contact_iterations(const PreparedSolids& solids, const FingerOptions& parameters) {
   std::uint64_t for_any = for_any_planes;
   std::vector<std::uint64_t> longest;
   longest.reserve(solids.records.size());

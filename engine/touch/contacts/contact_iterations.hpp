@@ -11,6 +11,6 @@ namespace palpa::touch {
 /// whichever points its neighbours in the group look up. It counts some iterations for every solid, plus the longest
 /// lists of the sixteen solids with the longest lists, because the boxes of more than sixteen solids hardly ever meet
 /// in one place. Looks at every cell of every solid.
-std::uint32_t contact_iterations(const PreparedSolids& solids, const Parameters& parameters);
+std::uint32_t contact_iterations(const PreparedSolids& solids, const FingerOptions& parameters);
 
 }  // namespace palpa::touch

@@ -52,7 +52,7 @@ ContactsPass::Kernel ContactsPass::kernel_for(const PreparedSolids& solids) {
   return any_asked_by(solids, shader::asked_by_surface) ? by_surface : by_planes;
 }
 
-void ContactsPass::prepare(const PreparedSolids& solids, const Parameters& parameters) {
+void ContactsPass::prepare(const PreparedSolids& solids, const FingerOptions& parameters) {
   if (device_->description().ends_long_loops && solids.iterations > shader::contacts_most_iterations) {
     const std::string fault = fmt::format(
         "the scene's {} solids can take {} looks at one skin point, but {} allows {}: give fewer or simpler solids, or "
@@ -98,7 +98,7 @@ shader::ScanGroups ContactsPass::groups(const gpu::Device& device, const Capacit
 }
 
 void ContactsPass::record(VkCommandBuffer commands, const ContactsBindings& b, const gpu::Scratch& s,
-                          const Capacity& capacity, const PreparedSolids& solids, const Parameters& parameters,
+                          const Capacity& capacity, const PreparedSolids& solids, const FingerOptions& parameters,
                           gpu::Timestamps* times, std::uint32_t elapsed_us) const {
   const auto count = static_cast<std::uint32_t>(solids.records.size());
   shader::ContactsPush push{

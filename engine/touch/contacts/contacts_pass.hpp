@@ -54,7 +54,7 @@ class ContactsPass {
   /// Makes the pipelines that record() uses for these arguments; existing pipelines are kept. `solids` may move
   /// afterwards. Throws bad_input with the solids' file (bad_usage if there is no file) if there are too many solids
   /// for a device that counts a kernel's iterations.
-  void prepare(const PreparedSolids& solids, const Parameters& parameters);
+  void prepare(const PreparedSolids& solids, const FingerOptions& parameters);
 
   static std::vector<gpu::ScratchBuffer> scratch(const Capacity& capacity);
 
@@ -65,7 +65,7 @@ class ContactsPass {
   /// barriers itself; the caller adds compute_to_compute afterwards. With `times`, marks "contacts find" and "contacts
   /// pack". `elapsed_us`: from the frame before to this one; reach_none if `reach` is not to be read.
   void record(VkCommandBuffer commands, const ContactsBindings& bindings, const gpu::Scratch& scratch,
-              const Capacity& capacity, const PreparedSolids& solids, const Parameters& parameters,
+              const Capacity& capacity, const PreparedSolids& solids, const FingerOptions& parameters,
               gpu::Timestamps* times = nullptr, std::uint32_t elapsed_us = shader::reach_none) const;
 
  private:

@@ -42,7 +42,7 @@ struct Inside {
   bool shell = false;
 };
 
-Inside look(const PreparedSolids& solids, std::uint32_t solid, const Float3& point, const Parameters& parameters) {
+Inside look(const PreparedSolids& solids, std::uint32_t solid, const Float3& point, const FingerOptions& parameters) {
   const shader::SolidRecord& record = solids.records[solid];
   const Float3 p = shader::turned({record.turn.x, record.turn.y, record.turn.z}, record.turn.w,
                                   shader::minus(point, {record.centre.x, record.centre.y, record.centre.z}));
@@ -73,7 +73,7 @@ struct Found {
 
 /// The first solid that the point is a contact of. If there is none and deep points are asked for, the first solid in
 /// which it is a deep point.
-Found find_at(const PreparedSolids& solids, const Float3& point, const Parameters& parameters) {
+Found find_at(const PreparedSolids& solids, const Float3& point, const FingerOptions& parameters) {
   Found found;
   for (std::uint32_t s = 0; s < solids.records.size() && !found.shell; ++s) {
     const Inside here = look(solids, s, point, parameters);
@@ -96,7 +96,7 @@ const shader::ReachingFinger* reaching_finger(const FingerReach& reach, const Fl
 }  // namespace
 
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, const FingerReach& reach, Touch& out) {
+                   const FingerOptions& parameters, const FingerReach& reach, Touch& out) {
   out.contacts.clear();
   out.deep.clear();
   for (const sensing::SkinPoint& skin : points) {

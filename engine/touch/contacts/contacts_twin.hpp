@@ -18,6 +18,6 @@ namespace palpa::touch {
 /// finger that is about to end, points up to 0.5 mm beyond the edges of its solid's shell are contacts as well, marked
 /// `beyond`.
 void find_contacts(std::span<const sensing::SkinPoint> points, const PreparedSolids& solids,
-                   const Parameters& parameters, const FingerReach& reach, Touch& out);
+                   const FingerOptions& parameters, const FingerReach& reach, Touch& out);
 
 }  // namespace palpa::touch

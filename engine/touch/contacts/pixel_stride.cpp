@@ -7,7 +7,7 @@
 
 namespace palpa::touch {
 
-Parameters at_stride(Parameters parameters, std::uint32_t stride) {
+FingerOptions at_stride(FingerOptions parameters, std::uint32_t stride) {
   if (stride <= 1) return parameters;
   constexpr std::uint32_t section = 3;
   const std::uint32_t fewer = (parameters.min_points + stride * stride - 1) / (stride * stride);
@@ -16,7 +16,7 @@ Parameters at_stride(Parameters parameters, std::uint32_t stride) {
 }
 
 std::uint32_t most_pixel_stride(std::span<const sensing::Camera> cameras, const sensing::RayTables& tables,
-                                const Box& box, const Parameters& parameters) {
+                                const Box& box, const FingerOptions& parameters) {
   constexpr double most = 4;
   std::vector<sensing::Crop> crops;
   sensing::plan_crops(cameras, tables, box, crops);

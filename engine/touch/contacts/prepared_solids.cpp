@@ -89,7 +89,7 @@ auto made_of(const geometry::Solid& solid, const Make& make) {
 }
 
 /// Refuses a file's solid that does not fit the finger gap; check_parameters() handles all others.
-void check_size(const geometry::Solid& solid, const shader::SolidRecord& record, const Parameters& parameters) {
+void check_size(const geometry::Solid& solid, const shader::SolidRecord& record, const FingerOptions& parameters) {
   const double least = least_finger_gap(record), gap = parameters.finger_gap_m;
   if (solid.file.empty() || !(gap > 0) || gap >= least) return;
   throw bad_input(solid.file,
@@ -102,7 +102,7 @@ void check_size(const geometry::Solid& solid, const shader::SolidRecord& record,
 /// Limit of all surface grids together, in cells that no triangle requires.
 constexpr std::uint32_t most_least_cells = 1U << 18U, fewest_cells = 64;
 
-geometry::SurfaceOptions surface_options(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
+geometry::SurfaceOptions surface_options(const std::vector<geometry::Solid>& solids, const FingerOptions& parameters) {
   geometry::SurfaceOptions options{.reach_m = parameters.delta_m, .deep = parameters.wants_deep()};
   const auto surfaces = static_cast<std::uint32_t>(std::count_if(solids.begin(), solids.end(), asked_by_surface));
   options.least_cells =
@@ -202,7 +202,7 @@ double least_finger_gap(const shader::SolidRecord& solid) {
          (2e-3 * shader::clusters_cell_thousandths * shader::clusters_most_blocks);
 }
 
-PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters) {
+PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const FingerOptions& parameters) {
   PreparedSolids table;
   if (!solids.empty()) table.file = solids[0].file;
   table.foci_of = foci_of_solids(solids);

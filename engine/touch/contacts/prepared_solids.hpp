@@ -43,7 +43,7 @@ struct PreparedSolids {
   std::uint32_t iterations = 0;  ///< contact_iterations()
 
   /// The solid's own delta if it has one, otherwise that of the parameters.
-  double delta_m(std::uint32_t solid, const Parameters& parameters) const {
+  double delta_m(std::uint32_t solid, const FingerOptions& parameters) const {
     return records[solid].delta > 0 ? static_cast<double>(records[solid].delta) : parameters.delta_m;
   }
 };
@@ -66,7 +66,7 @@ double least_finger_gap(const shader::SolidRecord& solid);
 /// bad_input naming a solid's file if the solid would cost too much (docs/limits.md) or is too large for the finger
 /// gap. Throws bad_usage naming the solid if its planes or box are not finite, and bad_usage if all solids together
 /// have more triangles than shader::surface_most_triangles.
-PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const Parameters& parameters = {});
+PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const FingerOptions& parameters = {});
 
 /// A solid whose centre is farther than this from the origin, along any axis, is out of reach: no camera sees skin
 /// there.

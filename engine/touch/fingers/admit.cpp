@@ -50,7 +50,7 @@ Float3 middle_inside(const Touch& touch, const Finger& finger, const FingerSkin&
 
 /// One frame's decisions.
 struct Admission {
-  const Parameters& parameters;
+  const FingerOptions& parameters;
   const Known& known;
   const Touch& touch;
   const FingerSkins& skins;
@@ -122,7 +122,7 @@ struct Admission {
 
 }  // namespace
 
-ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
+ClaimList admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, KnownFingers& table,
                         Touch& out, FingerSkins& skins) {
   Admission admission{parameters, known, out, skins};
   const Claims& claims = admission.claims;

@@ -22,7 +22,7 @@ using ClaimList = std::array<Claim, max_fingers>;
 /// Removes the clusters of `out`, and their `skins`, that are no fingers. Writes the frame's islands and the fingers
 /// that have ended to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the
 /// table.
-ClaimList admit_fingers(const Sight& sight, const Parameters& parameters, const Known& known, KnownFingers& table,
+ClaimList admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, KnownFingers& table,
                         Touch& out, FingerSkins& skins);
 
 }  // namespace palpa::touch

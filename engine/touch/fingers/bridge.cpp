@@ -201,7 +201,7 @@ class Joining {
 
 }  // namespace
 
-void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out,
+void bridge_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, Touch& out,
                     FingerSkins& skins) {
   const std::uint32_t count = out.finger_count;
   if (count < 2) return;

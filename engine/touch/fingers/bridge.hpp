@@ -17,7 +17,7 @@
 namespace palpa::touch {
 
 /// Joins fingers of `out`, to which `skins` belong. The points of their contacts are pixels of the pictures.
-void bridge_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out,
+void bridge_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, Touch& out,
                     FingerSkins& skins);
 
 }  // namespace palpa::touch

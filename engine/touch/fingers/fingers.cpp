@@ -29,7 +29,7 @@ FingerReach Fingers::next(double time_s) {
   return {has_before_ ? &known_->reach : nullptr, elapsed_us_};
 }
 
-void Fingers::find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
+void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOptions& parameters, Touch& out,
                    std::vector<gpu::PassTime>& times) {
   PassWatch watch(times);
   const bool cameras = !cameras_.empty();

@@ -47,7 +47,7 @@ class Fingers {
   FingerReach next(double time_s);
   /// Makes fingers with foci of the clusters in `out`. `images`: the frame's, one per camera; none without cameras.
   /// `parameters`: those of its pixel stride. Adds the time of each step to `times`.
-  void find(std::span<const sensing::DepthFrame> images, const Parameters& parameters, Touch& out,
+  void find(std::span<const sensing::DepthFrame> images, const FingerOptions& parameters, Touch& out,
             std::vector<gpu::PassTime>& times);
   /// The next frame is followed as if none had come before.
   void forget() {

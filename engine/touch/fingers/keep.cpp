@@ -37,8 +37,8 @@ void add_reach(const SkinSamples& samples, const Float3& inward, const KnownFing
 
 }  // namespace
 
-void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
-                  std::uint32_t rules, Touch& touch, KnownFingers& table) {
+void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, const Tracks& tracks,
+                  const ClaimList& claims, std::uint32_t rules, Touch& touch, KnownFingers& table) {
   const auto width = static_cast<float>(parameters.finger_width_m);
   table.count = touch.finger_count;
   table.reach.count = 0;

@@ -15,8 +15,8 @@ namespace palpa::touch {
 /// The fingers of `touch`, whose skin is given, become the known fingers. Sets Finger::holds.
 /// `tracks` are those of this frame, the fingers' first; `claims` come from admit_fingers(). The islands of the table
 /// stay. `rules`: bits of stage_setting.hpp.
-void keep_fingers(const FingerSkins& skins, const Parameters& parameters, const Tracks& tracks, const ClaimList& claims,
-                  std::uint32_t rules, Touch& touch, KnownFingers& table);
+void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, const Tracks& tracks,
+                  const ClaimList& claims, std::uint32_t rules, Touch& touch, KnownFingers& table);
 
 /// Removes the contacts that are beyond the shell's edges from the touch and from its fingers. `scratch` keeps its
 /// storage.

@@ -204,7 +204,7 @@ void sum_sectors(Finger& finger, const Plane& plane, std::span<const Float2> bor
 
 }  // namespace
 
-void find_foci(const Parameters& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {
+void find_foci(const FingerOptions& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {
   static const std::vector<Float2> every = sector_borders();
   for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
     finger.placed = false;

@@ -44,14 +44,14 @@ bool is_wide(const SkinSamples& samples, float width) {
 }
 
 /// In metres. 0 if nothing is to be split.
-float splitting_width(const Parameters& parameters) {
+float splitting_width(const FingerOptions& parameters) {
   return parameters.cluster == Cluster::inside ? 0 : static_cast<float>(parameters.finger_width_m);
 }
 
 using PerPart = std::array<std::uint32_t, most_samples>;
 
 /// The number of contacts that a part needs of which `finger` is the known finger, if any.
-std::uint32_t least_of(const Parameters& parameters, const Known& known, std::uint32_t finger) {
+std::uint32_t least_of(const FingerOptions& parameters, const Known& known, std::uint32_t finger) {
   return least_contacts(parameters.min_points, known.has(known_few) && finger != known_none);
 }
 
@@ -84,7 +84,7 @@ void assign_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin
 }
 
 /// Gives the contacts of parts that are too small to be fingers to the largest part of the same known finger.
-void keep_whole(const Parameters& parameters, const Known& known, SplitWork::Wide& wide) {
+void keep_whole(const FingerOptions& parameters, const Known& known, SplitWork::Wide& wide) {
   std::array<std::uint8_t, most_samples> to{};
   for (std::size_t part = 0; part < most_samples; ++part) {
     to[part] = static_cast<std::uint8_t>(part);
@@ -125,14 +125,14 @@ SplitWork::SplitWork() : skins(max_fingers), wide(max_fingers) {
   clusters.reserve(std::size_t{max_fingers} * most_samples);
 }
 
-void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, FingerSkins& skins,
-                   SplitWork& work) {
+void split_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, Touch& out,
+                   FingerSkins& skins, SplitWork& work) {
   const float width = splitting_width(parameters);
   const std::uint32_t count = out.finger_count;
   const bool apart = (known.rules & known_apart) != 0;
-  enum class Fate : std::uint8_t { goes, stays, may_split };
+  enum class Fate : std::uint8_t { dropped, stays, may_split };
   std::array<Fate, max_fingers> fates;
-  fates.fill(Fate::goes);
+  fates.fill(Fate::dropped);
   std::uint32_t wide_count = 0;
   for (std::uint32_t f = 0; f < count; ++f) {
     const FingerSkin& skin = skins[f] = look_at(sight, known, out, out.fingers[f]);
@@ -160,7 +160,7 @@ void split_fingers(const Sight& sight, const Parameters& parameters, const Known
   work.contacts.clear();
   for (std::uint32_t f = 0; f < count; ++f) {
     const Finger& finger = out.fingers[f];
-    if (fates[f] == Fate::goes) {
+    if (fates[f] == Fate::dropped) {
       changed = true;
       continue;
     }

@@ -47,7 +47,7 @@ struct SplitWork {
 /// smallest contacts. Parts of fewer than min_points contacts are not fingers; half of that is enough for a part of a
 /// known finger. With Cluster::inside, nothing is split. Fills `skins` for the fingers that it leaves. For many wide
 /// clusters, it starts threads.
-void split_fingers(const Sight& sight, const Parameters& parameters, const Known& known, Touch& out, FingerSkins& skins,
-                   SplitWork& work);
+void split_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, Touch& out,
+                   FingerSkins& skins, SplitWork& work);
 
 }  // namespace palpa::touch

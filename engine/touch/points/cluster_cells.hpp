@@ -15,7 +15,7 @@ inline float cells_per_metre(float gap) {
 
 /// The gap in single precision. A gap larger than every solid means one cluster per solid. It is limited so that its
 /// square stays finite.
-inline float float_gap(const Parameters& parameters) {
+inline float float_gap(const FingerOptions& parameters) {
   return std::min(static_cast<float>(parameters.finger_gap_m), 1e9F);
 }
 

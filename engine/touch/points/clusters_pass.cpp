@@ -45,7 +45,7 @@ constexpr std::uint32_t with_deep = 1;
 
 }  // namespace
 
-void ClustersPass::prepare(const Parameters& parameters) {
+void ClustersPass::prepare(const FingerOptions& parameters) {
   if (!select_) {
     prepare_ = pipeline(*device_, "clusters prepare", spirv::clusters_prepare_comp);
     insert_ = pipeline(*device_, "clusters insert", spirv::clusters_insert_comp);
@@ -90,7 +90,7 @@ std::vector<gpu::ScratchBuffer> ClustersPass::scratch(const Capacity& capacity) 
 }
 
 void ClustersPass::record(VkCommandBuffer commands, const ClustersBindings& b, const gpu::Scratch& s,
-                          const Capacity& capacity, const Parameters& parameters, gpu::Timestamps* times) const {
+                          const Capacity& capacity, const FingerOptions& parameters, gpu::Timestamps* times) const {
   const float gap = float_gap(parameters);
   const bool inside = parameters.cluster == Cluster::inside;
   const shader::ClustersPush push{cells_per_metre(gap), gap * gap, capacity.clustered(), parameters.min_points};

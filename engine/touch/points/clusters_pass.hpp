@@ -44,7 +44,7 @@ class ClustersPass {
   explicit ClustersPass(const gpu::Device& device) : device_(&device) {}
 
   /// Makes the pipelines that record() uses for these parameters; existing pipelines are kept.
-  void prepare(const Parameters& parameters);
+  void prepare(const FingerOptions& parameters);
 
   static std::vector<gpu::ScratchBuffer> scratch(const Capacity& capacity);
 
@@ -52,7 +52,7 @@ class ClustersPass {
   /// the caller adds compute_to_compute afterwards. The parameters must pass check_parameters(). With `times`, marks
   /// "cells", "links" and "clusters".
   void record(VkCommandBuffer commands, const ClustersBindings& bindings, const gpu::Scratch& scratch,
-              const Capacity& capacity, const Parameters& parameters, gpu::Timestamps* times = nullptr) const;
+              const Capacity& capacity, const FingerOptions& parameters, gpu::Timestamps* times = nullptr) const;
 
  private:
   enum ScratchIndex : std::size_t {

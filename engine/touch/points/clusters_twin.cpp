@@ -260,7 +260,7 @@ void reserve(ClusterWork& work, std::size_t points) {
     values->reserve(points);
 }
 
-void find_clusters(const Parameters& parameters, const PreparedSolids& solids, ClusterWork& work, Touch& out) {
+void find_clusters(const FingerOptions& parameters, const PreparedSolids& solids, ClusterWork& work, Touch& out) {
   const bool with_deep = parameters.cluster == Cluster::inside;
   if (with_deep) {  // contacts before deep points, so a cluster's smallest point is a contact if it has any
     work.inside.assign(out.contacts.begin(), out.contacts.end());

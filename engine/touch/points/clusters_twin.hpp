@@ -47,6 +47,6 @@ void reserve(ClusterWork& work, std::size_t points);
 /// C++ twin of ClustersPass: fills `out.fingers` (solid and contacts), `finger_count` and `cluster_count` from
 /// `out.contacts`, and with Cluster::inside also from `out.deep`. The distance test uses the same single-precision
 /// arithmetic, so the partition is the same. The parameters must pass check_parameters().
-void find_clusters(const Parameters& parameters, const PreparedSolids& solids, ClusterWork& work, Touch& out);
+void find_clusters(const FingerOptions& parameters, const PreparedSolids& solids, ClusterWork& work, Touch& out);
 
 }  // namespace palpa::touch

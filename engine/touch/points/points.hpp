@@ -26,8 +26,8 @@ struct Skin {
   std::span<const sensing::Crop> crops{};         ///< the parts of the images that show the box
   std::span<const shader::SkinVolume> volumes{};  ///< volumes in which points are not skin
   std::span<const sensing::SkinPoint> points{};   ///< without cameras: points with ascending indices
-  Parameters parameters;
-  Parameters clustering;  ///< the same, but smaller clusters may be fingers
+  FingerOptions parameters;
+  FingerOptions clustering;  ///< the same, but smaller clusters may be fingers
   FingerReach reach{};
 };
 

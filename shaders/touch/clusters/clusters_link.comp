@@ -119,6 +119,8 @@ void main() {
     }
     uvec2 together = uvec2(0u);
     uint left = more(search) ? (all ? clusters_rest_patience : clusters_patience) : 0u;
+    // A software device runs a loop for several threads until all have left it. With the check in the middle, threads
+    // that leave at different turns cost no turn in which none of them works.
     for (;;) {
       if (left != 0u) {
         if (test(search, here, there, face_here, face_there)) {

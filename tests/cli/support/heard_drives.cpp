@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 
 namespace palpa::test {

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "array/drive.hpp"
+#include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "support/drive_recording.hpp"
 

@@ -1,7 +1,7 @@
 #include "cli/support/reviewed_options.hpp"
 
-#include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/transducer_drive.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "setup/drive_file.hpp"

@@ -14,11 +14,11 @@
 #include <thread>
 #include <vector>
 
+#include "base/now.hpp"
 #include "driver/autd3/board.hpp"
 #include "driver/autd3/emulated/listener.hpp"
 #include "driver/autd3/emulated/server.hpp"
 #include "driver/autd3/wire.hpp"
-#include "driver/guard/channel.hpp"
 #include "driver/rig_parts.hpp"
 
 namespace palpa::test {
@@ -86,9 +86,9 @@ struct Autd3Rig {
   }
   /// The time at which the plan's first slot begins, in the devices' time.
   double plan(double hz = 0) {
-    double from_s = driver::monotonic_s(), device_s = driver::autd3::device_time_s();
-    while (driver::monotonic_s() > from_s + 20e-6) {  // both at the same time
-      from_s = driver::monotonic_s();
+    double from_s = monotonic_s(), device_s = driver::autd3::device_time_s();
+    while (monotonic_s() > from_s + 20e-6) {  // both at the same time
+      from_s = monotonic_s();
       device_s = driver::autd3::device_time_s();
     }
     const session::Cycle cycle{.plays = session::Plays::pattern,

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 #include "driver/guard/channel.hpp"
 
@@ -66,7 +67,7 @@ class TraceBoard final : public driver::Board {
     write({line.data(), static_cast<std::size_t>(size)});
   }
 
-  driver::Descriptor file_;
+  Descriptor file_;
   bool sure_;
   driver::BoardNotes& notes_;
   std::uint64_t allocations_ = 0;
@@ -88,7 +89,7 @@ driver::BoardKind trace_board() {
               const std::string file = spec.argument.substr(die_once.size());
               const std::string before = file + "-died";
               if (access(before.c_str(), F_OK) == 0) return std::make_unique<TraceBoard>(file, true, notes);
-              const driver::Descriptor mark(::open(before.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+              const Descriptor mark(::open(before.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
               static_cast<void>(std::raise(SIGKILL));
             }
             const std::string unsure = "unsure:";

@@ -16,7 +16,7 @@
 #include <thread>
 #include <utility>
 
-#include "driver/guard/channel.hpp"
+#include "base/now.hpp"
 #include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
@@ -96,7 +96,7 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   void open_still() { board = make(1.5e-3, false); }
   void plan(double hz) {
     const session::Cycle cycle{.plays = session::Plays::pattern, .length = 1, .modulation_hz = hz};
-    board->plan({{{100, 1000000, cycle}, driver::monotonic_s(), 1.5e-3}, drive});
+    board->plan({{{100, 1000000, cycle}, monotonic_s(), 1.5e-3}, drive});
   }
   /// Does what a guard does between drives: waits for what the board watches, 5 ms at most.
   template <typename Done>
@@ -114,10 +114,10 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   /// Waits until nothing comes on the line for a tenth of a second.
   bool comes_to_rest() {
     std::uint64_t bytes = 0;
-    double since_s = driver::monotonic_s();
+    double since_s = monotonic_s();
     return tend_until([&] {
-      if (std::exchange(bytes, machine.bytes()) != machine.bytes()) since_s = driver::monotonic_s();
-      return driver::monotonic_s() - since_s > 0.1;
+      if (std::exchange(bytes, machine.bytes()) != machine.bytes()) since_s = monotonic_s();
+      return monotonic_s() - since_s > 0.1;
     });
   }
   bool becomes_silent() {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "driver/guard/channel.hpp"
+#include "base/now.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
 #include "driver/sonicsurface/emulated/pty.hpp"

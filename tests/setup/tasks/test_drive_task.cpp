@@ -21,8 +21,8 @@ namespace palpa::test {
 namespace {
 
 using setup::AskedFocus;
-using setup::DriveOptionsGroup;
 using setup::DriveTask;
+using setup::FocusingOptions;
 
 const std::vector<AskedFocus> two_foci{{{0, 0, 0}, 1}, {{0.02, 0, 0}, 0.5F}};
 
@@ -36,7 +36,7 @@ std::string ball_file() {
 }
 
 TEST(DriveTask, APressureIsThatOfEachFocus) {
-  DriveOptionsGroup drive;
+  FocusingOptions drive;
   drive.pressure_pa = 2000;
   drive.medium.celsius = 25;
   const setup::DriveResult result = setup::make_drive(array::load_layout("paper"), two_foci, drive);
@@ -58,7 +58,7 @@ TEST(DriveTask, AFingerIsKeptForSeveralDrives) {
   EXPECT_EQ(result.aimed.size(), 2u);
   EXPECT_EQ(result.over_free_field.size(), 2u);
   const array::Layout openmpd = array::load_layout("openmpd");
-  const DriveOptionsGroup usual;
+  const FocusingOptions usual;
   const auto finger = setup::finger_in_sound("the ball", geometry::load_triangles(file), openmpd, usual);
   setup::make_drive(openmpd, std::vector<AskedFocus>{{{0, 0, 0.12}}}, usual, *finger);
   EXPECT_EQ(setup::to_json(
@@ -69,7 +69,7 @@ TEST(DriveTask, AFingerIsKeptForSeveralDrives) {
 TEST(DriveTask, RefusesFociAndOptionsOutOfRange) {
   constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const array::Layout openmpd = array::load_layout("openmpd");
-  const auto drive = [&](const AskedFocus& focus, const DriveOptionsGroup& options = {}) {
+  const auto drive = [&](const AskedFocus& focus, const FocusingOptions& options = {}) {
     return error_of(
         [&] {
           (void)setup::make_drive(openmpd, std::vector<AskedFocus>{{{0, 0, 0.1}}, focus}, options);
@@ -80,10 +80,10 @@ TEST(DriveTask, RefusesFociAndOptionsOutOfRange) {
   EXPECT_CONTAINS(drive({{0, 0, 0.1}, 1.5F}), "focus 2: a gain of 1.5");
   EXPECT_CONTAINS(drive({{0, 0, 1000}}), "focus 2 is farther than 100 m from the array");
   EXPECT_CONTAINS(drive({openmpd.transducers[7].position}), "focus 2 is where transducer 7 stands");
-  DriveOptionsGroup finger;
+  FocusingOptions finger;
   finger.transfer = setup::TransferChoice::finger;
   EXPECT_CONTAINS(drive({{0, 0, 0.1}}, finger), "this command has no finger's mesh");
-  DriveOptionsGroup silent, still;
+  FocusingOptions silent, still;
   silent.pressure_pa = -1;
   still.medium.frequency = 0;
   EXPECT_CONTAINS(drive({{0, 0, 0.1}}, silent), "a pressure of -1 Pa at each focus is not above 0");
@@ -108,7 +108,7 @@ TEST(DriveTask, RefusesFociAndOptionsOutOfRange) {
                "has no transducers");
   // Its sound refers to its body and to the layout, which must both stay where they are.
   static_assert(!std::is_move_constructible_v<setup::FingerInSound>);
-  static_assert(!std::is_constructible_v<setup::FingerInSound, geometry::Mesh, array::Layout, DriveOptionsGroup>);
+  static_assert(!std::is_constructible_v<setup::FingerInSound, geometry::Mesh, array::Layout, FocusingOptions>);
 }
 
 }  // namespace

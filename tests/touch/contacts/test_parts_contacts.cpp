@@ -156,7 +156,7 @@ TEST(PartsTwin, GivesTheSameBitsOnBoth) {
   const auto points = random_points(30'000, solid.bounds.low, solid.bounds.high, 9);
   for (const InternalFaces faces : {InternalFaces::drop, InternalFaces::keep}) {
     for (const bool deep : {false, true}) {
-      const Parameters parameters{.delta_m = 2e-3, .deep = deep};
+      const FingerOptions parameters{.delta_m = 2e-3, .deep = deep};
       expect_identical(touch_on(Backend::cpu, points, {animal(faces)}, parameters),
                        touch_on(Backend::gpu, points, {animal(faces)}, parameters));
     }

@@ -160,13 +160,13 @@ Touch touch_on_both(DeviceStage& device, const std::vector<glm::vec3>& points) {
   return gpu;
 }
 
-StageSetting setting_for(const std::vector<glm::vec3>& points, const Parameters& parameters = {}) {
+StageSetting setting_for(const std::vector<glm::vec3>& points, const FingerOptions& parameters = {}) {
   const auto count = static_cast<std::uint32_t>(points.size());
   return {.parameters = parameters, .most_points = count, .most_contacts = count};
 }
 
 Touch touch_on_both(const std::vector<glm::vec3>& points, const std::vector<geometry::Solid>& solids,
-                    const Parameters& parameters = {}) {
+                    const FingerOptions& parameters = {}) {
   DeviceStage device(solids, {}, setting_for(points, parameters));
   return touch_on_both(device, points);
 }
@@ -204,7 +204,7 @@ TEST_P(Surfaces, AgreeWithBruteForce) {
 TEST_P(Surfaces, FindDeepPointsWhereAsked) {
   const Model& model = known_model(GetParam());
   const auto points = points_near(model.solids[0].mesh, palpa::test::samples(8'000, 20'000), 4);
-  const Parameters parameters{.delta_m = 0.8e-3, .deep = true};
+  const FingerOptions parameters{.delta_m = 0.8e-3, .deep = true};
   const Touch touch = touch_on_both(points, model.solids, parameters);
   const Checked checked = expect_truth(touch, points, model.truth, parameters.delta_m, true);
   EXPECT_LT(checked.worst_deep, 0.0201);
@@ -308,7 +308,7 @@ TEST(SeveralSurfaces, ShareTheirBuffers) {
     points.insert(points.end(), near.begin(), near.end());
   }
   solids.insert(solids.begin() + 1, cube());
-  const Parameters parameters{.deep = true};
+  const FingerOptions parameters{.deep = true};
   const Touch touch = touch_on_both(points, solids, parameters);
   std::array<int, 4> of_solid{};
   for (const Contact& contact : touch.contacts)

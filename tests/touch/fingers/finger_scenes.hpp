@@ -34,7 +34,7 @@ struct FingerScene {
   geometry::Solid solid;
   std::vector<sensing::Camera> cameras;
   std::vector<sensing::DepthFrame> images;
-  Parameters parameters;
+  FingerOptions parameters;
   std::vector<sensing::Posed> skin;
   /// Points on the skin of each finger, which tell which finger a contact belongs to.
   std::vector<std::vector<Vec3>> fingers;

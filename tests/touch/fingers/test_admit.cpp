@@ -74,7 +74,7 @@ class Frames {
   sensing::RayTables tables_ = sensing::make_rays({&camera_, 1});
   std::vector<SightCamera> cameras_ = sight_cameras({&camera_, 1}, tables_);
   std::vector<sensing::DepthFrame> images_{{std::vector<std::uint16_t>(std::size_t{side} * side, 5000)}};
-  Parameters parameters_{.min_points = 16};
+  FingerOptions parameters_{.min_points = 16};
   std::unique_ptr<KnownFingers> table_ = std::make_unique<KnownFingers>();
   bool has_before_ = false;
   Touch touch_;

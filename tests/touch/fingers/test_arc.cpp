@@ -32,7 +32,7 @@ std::vector<glm::vec3> rim(double a, double b, std::uint32_t count, unsigned see
 }
 
 Finger finger_of(const std::vector<glm::vec3>& points, Spacing spacing, std::uint32_t foci = 10) {
-  Parameters parameters = everything_is_contact(0.05);
+  FingerOptions parameters = everything_is_contact(0.05);
   parameters.spacing = spacing;
   parameters.foci = foci;
   return touch_on(Backend::cpu, points, {everything()}, parameters).fingers.at(0);

@@ -18,13 +18,13 @@ using Images = std::vector<sensing::DepthFrame>;
 using Cameras = std::vector<sensing::Camera>;
 
 Touch touch_of(const std::vector<geometry::Solid>& solids, const Cameras& cameras, const Images& images,
-               const Parameters& parameters = {}) {
+               const FingerOptions& parameters = {}) {
   Touch out;
   Stage(solids, cameras, {.parameters = parameters}).touch(images, out);
   return out;
 }
 
-Parameters unbridged() {
+FingerOptions unbridged() {
   return {.finger_width_m = 0};
 }
 

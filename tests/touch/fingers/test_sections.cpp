@@ -113,7 +113,7 @@ class Sections : public ::testing::Test {
  protected:
   /// One finger of all the points.
   Touch run(const std::vector<glm::vec3>& points, std::uint32_t foci = 10) {
-    Parameters parameters = everything_is_contact(1.0);
+    FingerOptions parameters = everything_is_contact(1.0);
     parameters.foci = foci;
     Touch touch = touch_on(Backend::cpu, points, {everything()}, parameters);
     EXPECT_EQ(touch.finger_count, points.empty() ? 0u : 1u);

@@ -12,7 +12,7 @@
 namespace palpa::touch::test {
 namespace {
 
-Touch touch_of(const FingerScene& scene, const Parameters& parameters) {
+Touch touch_of(const FingerScene& scene, const FingerOptions& parameters) {
   Touch out;
   Stage({scene.solid}, scene.cameras, {.parameters = parameters}).touch(scene.images, out);
   return out;
@@ -59,7 +59,7 @@ TEST(Split, NoFingerWidthAndNoPicturesDoNeither) {
   std::mt19937 random(23);
   for (const SceneKind kind : {SceneKind::pair_deep, SceneKind::rims}) {
     const FingerScene scene = random_scene(random, kind, 3);
-    Parameters parameters = scene.parameters;
+    FingerOptions parameters = scene.parameters;
     const Touch with = touch_of(scene, parameters);
     parameters.finger_width_m = 0;
     const Touch without = touch_of(scene, parameters);
@@ -98,7 +98,7 @@ TEST(Split, RingAndMiddleFingerOfARecordedHandAreTwo) {
   scene.solid = box(at(268, 135, 0.563), at(370, 200, 0.566), "plate");
   scene.images.resize(1);
   sensing::read_png16(image, camera.width, camera.height, scene.images[0].depth);
-  const auto holding_both = [&](const Parameters& parameters) {
+  const auto holding_both = [&](const FingerOptions& parameters) {
     const Touch touch = touch_of(scene, parameters);
     int both = 0;
     for (std::uint32_t f = 0; f < touch.finger_count; ++f) {

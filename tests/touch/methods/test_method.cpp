@@ -45,7 +45,7 @@ struct Ring {
       out.fingers[0].contacts.push_back(static_cast<std::uint32_t>(i));
     }
     out.fingers[0].contact_count = static_cast<std::uint32_t>(count);
-    Parameters parameters;
+    FingerOptions parameters;
     parameters.foci = foci;
     find_sections(out);
     find_foci(parameters, {}, out);

@@ -77,7 +77,7 @@ Regions grow_regions(const std::vector<Contact>& contacts, double gap_m) {
   return regions;
 }
 
-std::string not_regions(const Touch& touch, const Parameters& parameters) {
+std::string not_regions(const Touch& touch, const FingerOptions& parameters) {
   std::vector<Contact> all = touch.contacts;
   if (parameters.cluster == Cluster::inside) all.insert(all.end(), touch.deep.begin(), touch.deep.end());
   Regions expected = grow_regions(all, parameters.finger_gap_m);

@@ -17,6 +17,6 @@ Regions grow_regions(const std::vector<Contact>& contacts, double gap_m);
 
 /// How the fingers of a touch differ from the regions of its contacts, or of all skin inside if that is clustered;
 /// empty if they do not. If there are more than max_fingers, the largest are compared.
-std::string not_regions(const Touch& touch, const Parameters& parameters);
+std::string not_regions(const Touch& touch, const FingerOptions& parameters);
 
 }  // namespace palpa::touch::test

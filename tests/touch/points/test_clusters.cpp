@@ -23,11 +23,11 @@ Vec3 lattice(int i, int wide) {
 
 class ClustersOfContacts : public OnBothBackends {
  protected:
-  Touch run(const std::vector<glm::vec3>& points, const Parameters& parameters) {
+  Touch run(const std::vector<glm::vec3>& points, const FingerOptions& parameters) {
     return touch_on(GetParam(), points, {everything()}, parameters);
   }
   void expect_exact(const std::vector<glm::vec3>& points, double gap, std::uint32_t min_points = 1) {
-    const Parameters parameters = everything_is_contact(gap, min_points);
+    const FingerOptions parameters = everything_is_contact(gap, min_points);
     const Touch touch = run(points, parameters);
     ASSERT_EQ(touch.contacts.size(), points.size());
     EXPECT_EQ(not_regions(touch, parameters), "");
@@ -70,7 +70,7 @@ TEST_P(ClustersOfContacts, TiesOnALatticeAreTogetherInEveryDirection) {
     for (int i = 0; i < 12 * 12 * 12; ++i) {
       points.emplace_back(stretch * gap * (lattice(i, 12) - 6.0));
     }
-    Parameters parameters = everything_is_contact(gap, 1);
+    FingerOptions parameters = everything_is_contact(gap, 1);
     const Touch touch = run(points, parameters);
     EXPECT_EQ(touch.cluster_count, stretch == 1.0 ? 1u : 1728u);
     EXPECT_EQ(touch.finger_count, stretch == 1.0 ? 1u : max_fingers);
@@ -102,7 +102,7 @@ TEST_P(ClustersOfContacts, BeyondTheMostTheSmallestAreLeftOut) {
       if (row < size) points.emplace_back(0.01 * i - 0.7, 1e-4 * row, 0);
     }
   }
-  const Parameters parameters = everything_is_contact(1e-3, 3);
+  const FingerOptions parameters = everything_is_contact(1e-3, 3);
   const Touch touch = run(points, parameters);
   EXPECT_EQ(touch.cluster_count, 150u);
   ASSERT_EQ(touch.finger_count, max_fingers);
@@ -114,7 +114,7 @@ TEST_P(ClustersOfContacts, OfDifferentSolidsNeverMix) {
   const std::vector<geometry::Solid> solids{box({-0.1, -0.1, -0.1}, {0, 0.1, 0.1}, "left"),
                                             box({0, -0.1, -0.1}, {0.1, 0.1, 0.1}, "right")};
   const auto points = random_points(5000, Vec3(-0.09), Vec3(0.09));
-  const Parameters parameters = everything_is_contact(0.03);
+  const FingerOptions parameters = everything_is_contact(0.03);
   const Touch touch = touch_on(GetParam(), points, solids, parameters);
   EXPECT_EQ(touch.finger_count, 2u);
   EXPECT_EQ(not_regions(touch, parameters), "");
@@ -257,7 +257,7 @@ TEST_P(ClustersOfContacts, AHundredThousandContactsAreOneBlobAtAnyLargeTolerance
 }
 
 TEST(TouchParameters, AreRefusedWhereTheyAreUnusable) {
-  const auto refuse = [](const Parameters& parameters, const std::string& fault) {
+  const auto refuse = [](const FingerOptions& parameters, const std::string& fault) {
     EXPECT_ERROR(Stage({cube()}, {}, {.parameters = parameters}), Exit::usage, fault);
   };
   for (const double bad : {0.0, -1.0, std::nan(""), double{INFINITY}}) {

@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(, ClustersAgainstNanoflann, ::testing::Values(Backend::
 TEST_P(ClustersAgainstNanoflann, FindTheSamePartition) {
   EXPECT_TRUE(rc::check([&] {
     const double gap = std::pow(10.0, *rc::gen::inRange(-30, -10) / 10.0);  // 1 to 79 mm
-    const Parameters parameters = everything_is_contact(gap, *rc::gen::inRange(1U, 7U));
+    const FingerOptions parameters = everything_is_contact(gap, *rc::gen::inRange(1U, 7U));
     const Points points = drawn_cloud(gap, most());
     const Touch touch = touch_on(GetParam(), points, {everything()}, parameters);
     RC_ASSERT(touch.contacts.size() == points.size());
@@ -98,7 +98,7 @@ TEST_P(ClustersAgainstNanoflann, FindTheSamePartition) {
 }
 
 TEST_P(ClustersAgainstNanoflann, FindTheSamePartitionOfEveryAdversary) {
-  const Parameters parameters = everything_is_contact(5e-3, 3);
+  const FingerOptions parameters = everything_is_contact(5e-3, 3);
   for (int kind = 0; kind < kinds; ++kind) {
     for (const std::uint32_t count : {1U, 127U, 4000U}) {
       const Touch touch = touch_on(GetParam(), adversarial(kind, count, 5e-3, count + 1), {everything()}, parameters);

@@ -12,7 +12,7 @@
 namespace palpa::touch::test {
 namespace {
 
-Parameters inside(double gap_m = 5e-3, std::uint32_t least = 5) {
+FingerOptions inside(double gap_m = 5e-3, std::uint32_t least = 5) {
   return {.finger_gap_m = gap_m, .min_points = least, .cluster = Cluster::inside};
 }
 
@@ -34,7 +34,7 @@ std::vector<glm::vec3> two_that_meet_below() {
 
 TEST_P(Inside, FingersThatMeetBelowTheSurfaceAreOne) {
   const auto points = two_that_meet_below();
-  Parameters contacts_alone = inside();
+  FingerOptions contacts_alone = inside();
   contacts_alone.cluster = Cluster::contacts;
   EXPECT_EQ(touch_on(GetParam(), points, {cube()}, contacts_alone).finger_count, 2u);
   const Touch touch = touch_on(GetParam(), points, {cube()}, inside());
@@ -52,7 +52,7 @@ TEST_P(Inside, IsWhatGrowingRegionsFinds) {
   unsigned seed = 30;
   for (const double gap : {1e-3, 2e-3, 3e-3}) {
     for (const std::uint32_t count : {1U, 2U, 500U, 3000U}) {
-      const Parameters parameters = inside(gap, 2);
+      const FingerOptions parameters = inside(gap, 2);
       const auto points = random_points(count, {-0.025, -0.03, -0.025}, {0.025, 0.005, 0.025}, ++seed);
       EXPECT_EQ(not_regions(touch_on(GetParam(), points, {cube()}, parameters), parameters), "");
     }

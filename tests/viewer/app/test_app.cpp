@@ -299,17 +299,17 @@ TEST(MeshOfPressures, IsTheSkinOrTheFingerOfTheSource) {
 
 TEST(AppSettings, WhatTheCommandLineSaysIsNotRemembered) {
   const fs::path file = test::scratch_folder("viewer-app-settings") / "viewer.toml";
-  Settings before;
+  Preferences before;
   before.layers[Layer::grid].visible = false;
   before.skin_colour = SkinColour::sa1;
-  save_settings(file, before);
+  save_preferences(file, before);
   std::atomic<bool> stop{false};
   App app({.layout = "autd3", .shown = "sections"}, {300, 200}, {.stop = &stop, .panels = false, .settings = file});
   EXPECT_TRUE(app.data().state.layers.shows(Layer::sections));
   EXPECT_FALSE(app.data().state.layers.shows(Layer::grid)) << "of this the line said nothing";
   EXPECT_EQ(app.data().state.skin_colour, SkinColour::sa1);
   EXPECT_TRUE(app.finish(1));
-  EXPECT_EQ(load_settings(file), before);
+  EXPECT_EQ(load_preferences(file), before);
 }
 
 }  // namespace

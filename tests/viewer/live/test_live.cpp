@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "array/drive.hpp"
 #include "geometry/gltf/write.hpp"
 #include "heard_link.hpp"
 #include "session/links/sources.hpp"

@@ -44,10 +44,10 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
   expect_refused({
       {touch_, {"--slice-size", "5cm"}, "--slice-size goes with --slice"},
       {touch_, {"--eye", "0,0,1", "--frame", "all"}, "--frame goes with --view"},
-      {touch_, {"--eye", "0,0,1", "--view", "top"}, "--view and --eye both set"},
+      {touch_, {"--eye", "0,0,1", "--view", "top"}, "--view and --eye exclude each other"},
       {touch_, {"--eyes-apart", "60mm"}, "--eyes-apart goes with --participant"},
       {touch_, {"--barrier-gap", "1mm"}, "--barrier-gap goes with --stereo"},
-      {touch_, {"--no-panels"}, "--no-panels goes with a window"},
+      {touch_, {"--no-panels"}, "--no-panels and --headless exclude each other"},
       {touch_, {"--panels"}, "--panels goes with --source or --interact"},
       {touch_, {"--finger-width", "10mm"}, "--finger-width goes with --depth"},
       {touch_, {"--amplitude", "uniform"}, "--amplitude goes with --layout or --rig"},
@@ -57,7 +57,7 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
       {touch_, {"--axes", "covariance"}, "--axes goes with --source"},
       {touch_, {"--threshold", "0.1"}, "--threshold goes with --reference"},
       {touch_, {"--monitor", "1"}, "--monitor goes with --participant"},
-      {touch_, {"--screen", "x.toml"}, "--screen and --stereo go with --participant"},
+      {touch_, {"--screen", "x.toml"}, "--screen goes with --participant"},
       {touch_, {"--target", "0,0,0"}, "--target goes with --eye"},
       {touch_, {"--view", "camera"}, "--view camera goes with --depth"},
       {host_, {"--slice", "xz"}, "--slice goes with --layout or --rig"},
@@ -76,7 +76,7 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
       {live_, {"--points", "x.ply"}, "--source"},
       {live_, {"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "--tune-shortest goes with --tune"},
       {live_, {"--tune-shortest", "1ms", "--tune-longest", "2ms", "--tune"}, "while running, --tune chooses strides"},
-      {live_, {"--spectrum"}, "--spectrum goes with --points or --depth"},
+      {live_, {"--spectrum"}, "--spectrum and --source exclude each other"},
       {participant_, {"--ortho"}, "--ortho sets the viewpoint"},
       {participant_, {"--stereo", "anaglyph", "--barrier-pitch", "1mm"}, "--barrier-pitch goes with --stereo"},
       {participant_, {"--eyes-apart", "60mm"}, "--eyes-apart goes with --stereo"},
@@ -131,7 +131,7 @@ TEST_F(ViewerRefusals, FilesThatCannotBeReadOrWritten) {
 TEST_F(ViewerRefusals, AreTheProgramsExitCodes) {
   expect_failure(viewer(cube_touch({"--headless", "--screenshot", "/no/such/folder/p.png"})), 1,
                  "/no/such/folder/p.png");
-  expect_failure(viewer(with(touch_, {"--no-panels"})), 2, "--no-panels goes with a window");
+  expect_failure(viewer(with(touch_, {"--no-panels"})), 2, "--no-panels and --headless exclude each other");
   expect_failure(viewer(with(touch_, {"--gpu", "no such device"})), 3, "no such device");
   for (const Line& line : {cube_touch({}), Line{}})
     expect_failure(viewer(line), 3, "--headless");  // there is no display

@@ -4,15 +4,15 @@
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 
 namespace palpa::viewer {
 namespace {
 
-TEST(Settings, ComeBackAsTheyWere) {
+TEST(Preferences, ComeBackAsTheyWere) {
   const auto file = test::scratch_folder("viewer-settings") / "made" / "palpa" / "viewer.toml";
-  EXPECT_EQ(load_settings(file), Settings()) << "none yet";
-  Settings settings;
+  EXPECT_EQ(load_preferences(file), Preferences()) << "none yet";
+  Preferences settings;
   settings.dark = true;
   settings.panels = false;
   settings.fine = FinePictures::never;
@@ -23,13 +23,13 @@ TEST(Settings, ComeBackAsTheyWere) {
   settings.headings = {{"Run", true}, {"View", false}};
   settings.window = WindowPlace{-20, 40, 1000, 700};
   settings.recent = {"/with \"quotes\".glb", "/second.glb"};
-  save_settings(file, settings);
-  EXPECT_EQ(load_settings(file), settings);
+  save_preferences(file, settings);
+  EXPECT_EQ(load_preferences(file), settings);
   EXPECT_EQ(remembered_window(file), settings.window);
 }
 
-TEST(Settings, WhatALineSaysIsForItsRunAlone) {
-  Settings before, began, now;
+TEST(Preferences, WhatALineSaysIsForItsRunAlone) {
+  Preferences before, began, now;
   before.layers[Layer::grid].visible = false;
   began = before;
   began.layers[Layer::slice].visible = began.dark = true;  // --show slice --dark
@@ -41,7 +41,7 @@ TEST(Settings, WhatALineSaysIsForItsRunAlone) {
   now.dark = false;
   now.slots_per_s = 12;
   now.skin_colour = SkinColour::pc;
-  Settings expected = before;
+  Preferences expected = before;
   expected.layers[Layer::solids].opacity = 0.5F;
   expected.layers[Layer::slice].opacity = 0.25F;
   expected.slots_per_s = 12;
@@ -50,13 +50,13 @@ TEST(Settings, WhatALineSaysIsForItsRunAlone) {
   EXPECT_EQ(to_remember(expected, began, now), expected) << "asked once more";
 }
 
-TEST(Settings, ABrokenFileIsToldWithItsLine) {
+TEST(Preferences, ABrokenFileIsToldWithItsLine) {
   const auto file = test::scratch_folder("viewer-settings-broken") / "viewer.toml";
   for (const char* text : {"dark = 3\n", "dark = true\nnonsense = 1\n", "slots_per_s = 1e9\n",
                            "fine_pictures = \"often\"\n", "finger_colour = \"SA2\"\n", "[layers.solids]\nopacity = 2\n",
                            "[window]\nx = 1\n", "[layers.ghosts]\nvisible = true\n", "= =\n"}) {
     test::write_text(file, text);
-    EXPECT_REFUSED(load_settings(file), file.string());
+    EXPECT_REFUSED(load_preferences(file), file.string());
   }
 }
 

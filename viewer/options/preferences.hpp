@@ -21,7 +21,7 @@ struct WindowPlace {
   bool operator==(const WindowPlace&) const = default;
 };
 
-struct Settings {
+struct Preferences {
   Layers layers;
   bool dark = false;
   bool panels = true;
@@ -31,43 +31,43 @@ struct Settings {
   std::map<std::string, bool> headings;  ///< of the panels, those that the user has folded (false) or unfolded
   std::optional<WindowPlace> window;
   std::vector<std::string> recent;  ///< files that were opened, the newest first
-  bool operator==(const Settings&) const = default;
+  bool operator==(const Preferences&) const = default;
 };
 
 /// $XDG_CONFIG_HOME/palpa/viewer.toml, else ~/.config/palpa/viewer.toml; nullopt if neither is known.
-std::optional<std::filesystem::path> settings_file();
+std::optional<std::filesystem::path> preferences_file();
 
 /// The settings in the file, or the defaults if there is no file. Throws bad_input that names the file and the fault.
-Settings load_settings(const std::filesystem::path& file);
+Preferences load_preferences(const std::filesystem::path& file);
 /// Where the window was, if the file says so and is not broken.
 std::optional<WindowPlace> remembered_window(const std::filesystem::path& file);
-/// Warns once if load_settings() would throw. For pictures without a window, which look the same for everybody.
-void warn_of_settings(const std::filesystem::path& file);
+/// Warns once if load_preferences() would throw. For pictures without a window, which look the same for everybody.
+void warn_of_preferences(const std::filesystem::path& file);
 /// Replaces the file and makes its folders. Readers see either the old file or the new one. Throws failure().
-void save_settings(const std::filesystem::path& file, const Settings& settings);
+void save_preferences(const std::filesystem::path& file, const Preferences& settings);
 
 /// What to remember of `now`: settings that changed since the program `began`, and all others as remembered `before`.
-/// Settings from a command line therefore apply only to that run.
-Settings to_remember(const Settings& before, const Settings& began, const Settings& now);
+/// Preferences from a command line therefore apply only to that run.
+Preferences to_remember(const Preferences& before, const Preferences& began, const Preferences& now);
 
 /// The settings of a program from its start to its end, kept in one file.
-class SettingsMemory {
+class PreferencesMemory {
  public:
   /// Empty: nothing is remembered.
-  explicit SettingsMemory(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit PreferencesMemory(std::filesystem::path file) : file_(std::move(file)) {}
   bool remembers() const { return !file_.empty(); }
-  /// Reads the file. Throws as load_settings() does.
-  void load() { recalled_ = load_settings(file_); }
+  /// Reads the file. Throws as load_preferences() does.
+  void load() { recalled_ = load_preferences(file_); }
   /// As read by load() or written by remember(); the defaults before that.
-  const Settings& recalled() const { return recalled_; }
+  const Preferences& recalled() const { return recalled_; }
   /// The settings with which the program begins: the recalled ones, changed by the command line.
-  void begin(const Settings& settings) { began_ = settings; }
+  void begin(const Preferences& settings) { began_ = settings; }
   /// Writes what has changed since begin(). If writing fails, warns once for the same settings.
-  void remember(const Settings& now);
+  void remember(const Preferences& now);
 
  private:
   std::filesystem::path file_;
-  Settings recalled_, began_;
+  Preferences recalled_, began_;
 };
 
 }  // namespace palpa::viewer

@@ -1,4 +1,4 @@
-// A session live from points that are pushed.
+// A run of points that are pushed.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -8,7 +8,8 @@
 
 #include "base/error.hpp"
 #include "fakes.hpp"
-#include "session/points_run.hpp"
+#include "session/pushed_points.hpp"
+#include "session/session.hpp"
 #include "stepped_clock.hpp"
 #include "support/thrown.hpp"
 #include "touched_scene.hpp"
@@ -17,11 +18,11 @@ namespace palpa::session {
 namespace {
 
 /// The finger model with its tip at this height.
-std::vector<glm::vec3> pushed_finger(double y) {
-  return test::finger_at({0, y, 0});
+std::vector<sensing::SkinPoint> pushed_finger(double y) {
+  return sensing::numbered(test::finger_at({0, y, 0}));
 }
 
-struct PointsPlay {
+struct PointsRun {
   test::SteppedClock clock;
   Session session;
   PushedPoints source{clock};
@@ -32,7 +33,8 @@ struct PointsPlay {
   test::Watcher watcher;
 
   /// A finger touches in the first frame.
-  PointsPlay() : session({.solids = test::asset_solids("cube"), .layout = test::small_layout(), .hold_s = 0.1}) {
+  PointsRun()
+      : session({.solids = test::asset_solids("cube"), .pushed = true, .layout = test::small_layout(), .hold_s = 0.1}) {
     source.push(pushed_finger(-0.001), 0);
     watcher.on_events = [this](std::span<const Event> events) {
       for (const Event& event : events)
@@ -54,11 +56,11 @@ struct PointsPlay {
     };
     return run({.frames = frames, .observer = &watcher});
   }
-  LoopStats run(const RunOptions& options) { return run_points(session, source, link, stop, options, clock); }
+  LoopStats run(const RunOptions& options) { return session.run(source, link, stop, options, clock); }
 };
 
-TEST(PointsRun, PlaysWhatIsPushedAndEndsInSilence) {
-  PointsPlay run;
+TEST(PushedPoints, PlaysWhatIsPushedAndEndsInSilence) {
+  PointsRun run;
   const LoopStats stats = run.play(3);
   EXPECT_EQ(stats.captured, 3U);
   EXPECT_EQ(stats.touching, 2U);
@@ -68,15 +70,15 @@ TEST(PointsRun, PlaysWhatIsPushedAndEndsInSilence) {
   run.expect_touch_and_release();
 }
 
-TEST(PointsRun, EndsWithTheErrorOfItsLink) {
-  PointsPlay run;
+TEST(PushedPoints, EndsWithTheErrorOfItsLink) {
+  PointsRun run;
   run.link.fail_at = 0;
   EXPECT_ERROR(run.play(3), Exit::failed, "spy: the link broke");
   EXPECT_TRUE(run.stop);
 }
 
-TEST(PointsRun, ReleasesAFingerWhenNoFrameComes) {
-  PointsPlay run;
+TEST(PushedPoints, ReleasesAFingerWhenNoFrameComes) {
+  PointsRun run;
   int expired = 0;
   run.watcher.on_events = [&run, keep = run.watcher.on_events](std::span<const Event> events) {
     keep(events);
@@ -88,29 +90,24 @@ TEST(PointsRun, ReleasesAFingerWhenNoFrameComes) {
   EXPECT_EQ(expired, 1);
 }
 
-TEST(PointsRun, TheNewestFrameWins) {
+TEST(PushedPoints, TheNewestFrameWins) {
   PushedPoints source;
-  EXPECT_FALSE(source.push({{0, 0, 0}}, 1));
-  EXPECT_TRUE(source.push({{0, 0, 0}, {1, 0, 0}}, 2));
-  std::vector<glm::vec3> points;
-  double time_s = 0;
-  EXPECT_TRUE(source.take(points, time_s, 0));
-  EXPECT_EQ(points.size(), 2U);
-  EXPECT_EQ(time_s, 2);
-  EXPECT_FALSE(source.take(points, time_s, 0.001));
+  EXPECT_FALSE(source.push(sensing::numbered(std::vector<glm::vec3>{{0, 0, 0}}), 1));
+  EXPECT_TRUE(source.push(sensing::numbered(std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}}), 2));
+  sensing::FrameSet frame;
+  EXPECT_TRUE(source.next(frame, 0));
+  EXPECT_TRUE(frame.came());
+  EXPECT_EQ(frame.points.size(), 2U);
+  EXPECT_EQ(frame.time_s, 2);
+  EXPECT_EQ(frame.sequence, 1U);
+  EXPECT_TRUE(source.next(frame, 0.001));
+  EXPECT_FALSE(frame.came());
 }
 
-TEST(PointsRun, IsRefusedWhereItCannotWork) {
-  PointsPlay run;
-  test::DeafSink sink;
-  const auto play = [&](SessionSetting setting, EventSink* events) {
-    Session session(std::move(setting));
-    run_points(session, run.source, run.link, run.stop, {.events = events});
-  };
-  const auto cube = test::asset_solids("cube");
-  EXPECT_ERROR(play({.solids = cube}, nullptr), Exit::usage, "without an array cannot run from points");
-  EXPECT_ERROR(play({.solids = cube, .layout = test::small_layout(), .events = std::nullopt}, &sink), Exit::usage,
-               "has no events");
+TEST(PushedPoints, NeedASessionThatIsPushedTo) {
+  PointsRun run;
+  Session session({.solids = test::asset_solids("cube"), .layout = test::small_layout()});
+  EXPECT_ERROR(session.run(run.source, run.link, run.stop), Exit::usage, "without a source of skin");
 }
 
 }  // namespace

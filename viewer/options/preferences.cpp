@@ -1,4 +1,4 @@
-#include "viewer/options/settings.hpp"
+#include "viewer/options/preferences.hpp"
 
 #include <fmt/core.h>
 
@@ -14,7 +14,7 @@
 
 namespace palpa::viewer {
 
-std::optional<std::filesystem::path> settings_file() {
+std::optional<std::filesystem::path> preferences_file() {
   const auto under = [](const char* variable) -> std::filesystem::path {
     const char* value = std::getenv(variable);
     return value != nullptr && value[0] == '/' ? value : "";
@@ -50,8 +50,8 @@ std::string list_of(const char* key, const std::vector<std::string>& items) {
 
 }  // namespace
 
-Settings load_settings(const std::filesystem::path& file) {
-  Settings settings;
+Preferences load_preferences(const std::filesystem::path& file) {
+  Preferences settings;
   add_own_file(file);
   std::error_code fault;
   if (!std::filesystem::exists(file, fault) && !fault) return settings;
@@ -90,21 +90,21 @@ Settings load_settings(const std::filesystem::path& file) {
 
 std::optional<WindowPlace> remembered_window(const std::filesystem::path& file) {
   try {
-    return load_settings(file).window;
+    return load_preferences(file).window;
   } catch (const Error&) {  // App, which loads all of it, reports that
     return std::nullopt;
   }
 }
 
-void warn_of_settings(const std::filesystem::path& file) {
+void warn_of_preferences(const std::filesystem::path& file) {
   try {
-    load_settings(file);
+    load_preferences(file);
   } catch (const Error& error) {
     log::warning(fmt::format("{}; a picture without a window does not use it", error.what()));
   }
 }
 
-void save_settings(const std::filesystem::path& file, const Settings& settings) {
+void save_preferences(const std::filesystem::path& file, const Preferences& settings) {
   std::error_code fault;
   std::filesystem::create_directories(file.parent_path(), fault);
   if (fault) throw failure(fmt::format("{}: cannot be created: {}", file.parent_path().string(), fault.message()));
@@ -129,14 +129,14 @@ void save_settings(const std::filesystem::path& file, const Settings& settings) 
   write_file(file, text);
 }
 
-Settings to_remember(const Settings& before, const Settings& began, const Settings& now) {
-  Settings out = before;
+Preferences to_remember(const Preferences& before, const Preferences& began, const Preferences& now) {
+  Preferences out = before;
   const auto take = [](auto& value, const auto& at_first, const auto& at_last) {
     if (at_last != at_first) value = at_last;
   };
   const auto take_all = [&](auto... members) { (take(out.*members, began.*members, now.*members), ...); };
-  take_all(&Settings::dark, &Settings::panels, &Settings::fine, &Settings::skin_colour, &Settings::slots_per_s,
-           &Settings::headings, &Settings::window, &Settings::recent);
+  take_all(&Preferences::dark, &Preferences::panels, &Preferences::fine, &Preferences::skin_colour,
+           &Preferences::slots_per_s, &Preferences::headings, &Preferences::window, &Preferences::recent);
   for (const Word<Layer>& entry : layer_words) {
     take(out.layers[entry.value].visible, began.layers[entry.value].visible, now.layers[entry.value].visible);
     take(out.layers[entry.value].opacity, began.layers[entry.value].opacity, now.layers[entry.value].opacity);
@@ -144,17 +144,17 @@ Settings to_remember(const Settings& before, const Settings& began, const Settin
   return out;
 }
 
-void SettingsMemory::remember(const Settings& now) {
+void PreferencesMemory::remember(const Preferences& now) {
   if (!remembers()) return;
-  const Settings next = to_remember(recalled_, began_, now);
+  const Preferences next = to_remember(recalled_, began_, now);
   if (next == recalled_) return;
-  Settings wanted = next;  // without what changes by itself, of whose loss nobody needs to hear
+  Preferences wanted = next;  // without what changes by itself, of whose loss nobody needs to hear
   wanted.window = recalled_.window;
   wanted.recent = recalled_.recent;
   const bool tell = wanted != recalled_;
   recalled_ = next;  // tried once: if it cannot be written, there is one warning
   try {
-    save_settings(file_, next);
+    save_preferences(file_, next);
   } catch (const std::exception& error) {
     if (tell) log::warning(error.what());
   }

@@ -1,0 +1,52 @@
+// What a drive is computed from: the foci of a slot, and the options that apply to all of them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "array/constraint.hpp"
+#include "array/directivity.hpp"
+#include "array/medium.hpp"
+#include "base/math.hpp"
+
+namespace palpa::array {
+
+class Transfer;  // transfer.hpp
+class Nulls;     // nulls.hpp
+
+/// How several foci share the array.
+enum class Solver { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation };
+
+/// `loudest` is gs_pat with more care.
+constexpr bool is_gs_pat(Solver solver) {
+  return solver == Solver::gs_pat || solver == Solver::loudest;
+}
+
+/// A focus that sounds in a slot. A slot has one for each finger, or several if the method plays them together.
+struct SlotFocus {
+  Vec3 position;   ///< metres, in the layout's frame as posed
+  float gain = 1;  ///< 0..1, the finger's amplitude modulation and intensity
+  /// Requested peak pressure, regardless of other foci, gain included. nullopt: no request, the constraint decides. If
+  /// one focus of a slot has a request, those without one request nothing.
+  std::optional<double> pressure_pa;
+  std::uint32_t voice = 0, number = 0;  ///< of a schedule: its voice, and its number among the voice's foci
+  /// Peak pressure that it must never exceed: its finger's request at the crest of the modulation. nullopt: no request.
+  std::optional<double> most_pa{};
+};
+
+struct DriveOptions {
+  Weighting weighting = Weighting::distance;
+  Constraint constraint = Constraint::normalise;
+  Medium medium;
+  Solver solver = Solver::naive;
+  Directivity directivity = Directivity::t4010a1;  ///< assumed by the solvers; `naive` does not use it
+  /// Replaces the free field for making foci, for every solver and pressure. Must outlive everything that is made with
+  /// it. On the host only: a device has only the free field.
+  const Transfer* transfer = nullptr;
+  /// Places that stay silent, for the same layout as posed, the same medium and directivity. Null: none. In the free
+  /// field only, and not together with requested pressures. Slots with nulls are solved on the host, on every device.
+  std::shared_ptr<const Nulls> nulls;
+};
+
+}  // namespace palpa::array
