@@ -22,6 +22,7 @@ struct FrameSet {
   std::vector<DepthFrame> frames;
   std::vector<Capsule> capsules;  ///< of a tracker: the bones of the hands that it sees, world
   bool tracked = false;           ///< of a tracker, which may see no hand; there are no images
+  bool in_doubt = false;          ///< of a tracker: hands were left out because they may be wrong
   double time_s = 0;              ///< the oldest capture time of the frames
   std::uint64_t sequence = 0;     ///< counts from 0; gaps are frames that the source dropped
 
