@@ -338,7 +338,7 @@ pose : array_like, shape (4, 4)
       .def("__enter__", [](const SessionPtr& o) { return o; })
       .def("__exit__",
            [](const SessionPtr& o, const py::object& type, const py::object&, const py::object&) {
-             if (!o->run.running) return;
+             if (!o->run.running || !is_own_process()) return;  // in a fork, the run is the parent's
              o->run.stop = true;
              if (type.is_none()) {
                wait_for_end(o);

@@ -80,6 +80,7 @@ Boards parse_boards(std::string argument) {
     addresses.push_back(std::move(address));
     at = comma + 1;
   }
+  refuse_lag_of_one(boards.lag, addresses.size());
   return boards;
 }
 

@@ -78,6 +78,28 @@ TEST_F(CliStudy, WarnsOfWhatIsLeftOut) {
   EXPECT_EQ(report_of({"study", "analyse", folder_})["left_out"].size(), 1u);
 }
 
+TEST_F(CliStudy, WarningsInReportsNameFilesWithoutTheFoldersOfThisComputer) {
+  for (const std::string study : {"one/mine", "two/mine"}) {
+    write_ten(folder_ / study);
+    std::filesystem::create_directory(folder_ / study / "sub-x");
+  }
+  write_text(folder_ / "counts.csv", "actual,a,b\na,1,2\nb,3,4");
+  const std::string fault = ": is not a participant with a number, such as sub-7; it is left out";
+  const auto lines = [&](std::vector<std::string> line) {
+    line.insert(line.end(), {"--html", path("report.html"), "--csv", path("report.csv")});
+    const json result = report_of(line);
+    EXPECT_EQ(result.dump().find(folder_.string()), std::string::npos);
+    for (const char* file : {"report.html", "report.csv"})
+      EXPECT_EQ(read_text(path(file)).find(folder_.string()), std::string::npos) << file;
+    return result["left_out"];
+  };
+  EXPECT_EQ(lines({"study", "analyse", path("one/mine") + "/"}), json({"mine/sub-x" + fault}));
+  EXPECT_EQ(lines({"study", "compare", path("one/mine"), path("two/mine")}),
+            json({"one/mine/sub-x" + fault, "two/mine/sub-x" + fault}));
+  EXPECT_EQ(lines({"study", "analyse", path("counts.csv")}),
+            json({"counts.csv: line 3 has no end: check that the file is complete"}));
+}
+
 TEST_F(CliStudy, ComparesAnythingWithAnything) {
   write_text(folder_ / "single.csv", single);
   write_ten(folder_ / "mine");

@@ -238,6 +238,7 @@ bool Compute::start() {
   const SkinFrame started{.images = frame.set.frames,
                           .capsules = frame.set.capsules,
                           .points = frame.set.points,
+                          .in_doubt = frame.set.in_doubt,
                           .sequence = frame.set.sequence,
                           .time_s = frame.set.time_s,
                           .captured_s = frame.captured_s,

@@ -96,6 +96,11 @@ TEST(OpenMpdBoard, ASlaveWithoutAFileGetsItsPhasesEarlierByItsLag) {
   }
   for (const char* wrong : {"EMU1,EMU2,lag=1", "EMU1,EMU2,lag=-0.1", "EMU1,EMU2,lag=", "EMU1,lag=x"})
     EXPECT_ERROR(openmpd::parse_boards(wrong), Exit::usage, "a number from 0 to below 1");
+  EXPECT_ERROR(openmpd::parse_boards("EMU1,lag=0.25,EMU2"), Exit::usage,
+               "a link's lag= comes last, after its boards and other words: EMU1,EMU2,lag=0.25");
+  EXPECT_ERROR(openmpd::parse_boards("EMU1,EMU2,lag=0.25,lag=0.5"), Exit::usage, "lag= is given twice");
+  for (const char* one : {"EMU1,lag=0.25", "EMU1,lag=0", "EMU1@1-4,lag=0.25"})
+    EXPECT_ERROR(openmpd::parse_boards(one), Exit::usage, "but the link has one board: leave it out");
 }
 
 TEST(OpenMpdBoard, SilenceSoundsWithinFiveMillisecondsAndBuffersStayEmpty) {
