@@ -13,6 +13,7 @@
 #include "session/watch/stats.hpp"
 #include "setup/live_run.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
