@@ -268,7 +268,7 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   return stats;
 }
 
-std::string summary(const session::LoopStats& stats, const std::string& recording) {
+std::string summary(const session::LoopStats& stats, const std::string& recording, double ceiling) {
   std::string text;
   if (!recording.empty() && stats.unrecorded == 0) {
     text = stats.captured == 1 ? fmt::format("{}: the frame is recorded\n", recording)
@@ -296,6 +296,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
     text += fmt::format("computed {}, because {}\n", stats.backend == "cpu" ? "on the processor" : "with Vulkan",
                         stats.backend_why);
   }
+  if (ceiling == 0) text += "the ceiling is 0: nothing sounds\n";
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
          session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);
 }

@@ -215,6 +215,46 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   EXPECT_GT(std::abs(with_node("", "[0,0.04,0.06]") - predicted["level_db"].get<double>()), 0.3);
 }
 
+/// The least depths of a spring may be silent, but not all of them.
+TEST_F(CliStudy, ASpringThatIsSilentAtEveryDepthOfThePlanIsRefused) {
+  const OwnCache cache(folder_ / "cache");
+  write_tetrahedron(folder_ / "corners.bin");
+  write_scene(folder_ / "plain.gltf", "corners.bin");
+  const auto write_spring = [&](const std::string& rows) {
+    std::string model = read_text(folder_ / "plain.gltf");
+    const std::string node = "{\"mesh\":0}";
+    model.replace(model.find(node), node.size(),
+                  "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"extras\":{\"palpa_stiffness\":[" + rows + "]}}");
+    write_text(folder_ / "spring.gltf", model);
+  };
+  write_plan("spring.gltf", "layout = \"openmpd\"\n[run]\ndeep_mm = 10\n[level]\nceiling = 0.05\n");
+  const std::vector<std::string> line{"study", "plan", path("plan.toml")};
+  for (const char* silent : {"0, 0.05, 0.01, 0.2", "0, 0.01, 0.02, 0.47"}) {
+    write_spring(silent);
+    expect_refused(line, {{{}, "times the intensity at its stiffest", 2}});
+  }
+  for (const char* sounds : {"0, 0.05, 0.01, 0.25", "0, 1, 0.01, 0", "0, 0, 0.02, 0.5"}) {
+    write_spring(sounds);
+    const Result result = palpa_here(line);
+    EXPECT_EQ(result.exit_code, 0) << sounds << result.err;
+  }
+}
+
+/// The level at which a force is reached does not depend on the ceiling of the plan, nor on steps of amplitudes there.
+TEST_F(CliStudy, ThePapersForceHasTheSameLevelAtEveryCeiling) {
+  const OwnCache cache(folder_ / "cache");
+  std::vector<std::string> told;
+  for (const char* ceiling : {"0.03", "0.04", "0.5"}) {
+    write_plan("palpa:semi-sphere.glb", std::string("layout = \"openmpd\"\n[level]\nceiling = ") + ceiling + "\n");
+    const std::string text = palpa_here({"study", "plan", path("plan.toml")}).out;
+    const std::size_t at = text.find("the paper's force");
+    ASSERT_NE(at, std::string::npos);
+    told.push_back(text.substr(at, text.find('\n', at) - at));
+  }
+  EXPECT_EQ(told[0], told[1]);
+  EXPECT_EQ(told[0], told[2]);
+}
+
 /// What a plan names is read before people come.
 TEST_F(CliStudy, APlansFilesAreRead) {
   write_text(folder_ / "ball.glb", "x");

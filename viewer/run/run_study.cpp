@@ -57,6 +57,7 @@ study::EarLevel level_of(study::StudyPlan plan, const StudyShapes& shapes, const
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     objects.push_back(shapes.shapes[i].box);
     plan.shapes[i].intensity = shapes.shapes[i].least.intensity;
+    plan.shapes[i].is_spring = shapes.shapes[i].least.is_spring;
     plan.shapes[i].pressure_pa = shapes.shapes[i].least.pressure_pa;
   }
   std::optional<array::Layout> placed;

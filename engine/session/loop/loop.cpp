@@ -237,8 +237,8 @@ bool Compute::start() {
   if (begin_s < 0) begin_s = frame.arrived_s;
   const SkinFrame started{.images = frame.set.frames,
                           .capsules = frame.set.capsules,
-                          .points = frame.set.points,
                           .in_doubt = frame.set.in_doubt,
+                          .points = frame.set.points,
                           .sequence = frame.set.sequence,
                           .time_s = frame.set.time_s,
                           .captured_s = frame.captured_s,
