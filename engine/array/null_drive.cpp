@@ -60,12 +60,13 @@ std::size_t choose_rows(const Nulls& nulls, const FocusMatrix& matrix, Constrain
     }
   }
   std::size_t rows = most;
-  while (without_rows(matrix, rows, scratch) < null_keeps && rest < null_loosest_rest) {
+  const double keeps = constraint == Constraint::uniform ? null_keeps_uniform : null_keeps;
+  while (without_rows(matrix, rows, scratch) < keeps && rest < null_loosest_rest) {
     rest = std::min(rest * looser, null_loosest_rest);
     rows = nulls.rows_to(rest);
   }
   const std::size_t centres = nulls.rows_to(1);  // and places alone
-  while (rows > centres && without_rows(matrix, rows, scratch) < null_least_keeps)
+  while (rows > centres && without_rows(matrix, rows, scratch) < null_keeps)
     --rows;
   return rows;
 }
@@ -212,7 +213,7 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   split_sounds(columns, scratch.sounds);
   split_asked(columns, scratch.asked);
   const bool one = columns.foci == 1;
-  // Of all drives with amplitudes up to 1 that are silent at the nulls, the loudest have full amplitudes.
+  // The loudest drives that are silent at the nulls have full amplitudes.
   const Constraint within = constraint == Constraint::clamp ? Constraint::uniform : constraint;
   const bool asks_own = one && within == Constraint::uniform;
   if (asks_own) ask_own_sound(scratch);

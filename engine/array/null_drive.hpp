@@ -11,8 +11,8 @@
 //
 // Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` and `clamp` null_uniform_rest,
 // and larger, up to null_loosest_rest, while some focus would keep less than null_keeps of its power, R'_jj <
-// null_keeps R_jj. If one then still keeps less than null_least_keeps, further rows are left out one by one, but never
-// centres.
+// null_keeps R_jj (under `uniform` and `clamp` null_keeps_uniform). If one then still keeps less than null_keeps,
+// further rows are left out one by one, but never centres.
 //
 // One focus under `normalise`: if it keeps less than null_one_lowers of the pressure that it has without nulls,
 // lower_peaks.hpp lowers its loudest transducers, too. One focus under any constraint: while it keeps less than
@@ -35,7 +35,7 @@
 namespace palpa::array {
 
 inline constexpr double null_uniform_rest = 3e-3;
-inline constexpr double null_keeps = 0.5, null_least_keeps = 0.25;      // of power
+inline constexpr double null_keeps = 0.25, null_keeps_uniform = 0.5;    // of power
 inline constexpr double null_one_lowers = 0.89, null_one_keeps = 0.75;  // of pressure
 
 /// Keeps its storage from call to call.
