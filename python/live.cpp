@@ -22,6 +22,7 @@
 #include "session/plan/voice.hpp"
 #include "session_object.hpp"
 #include "setup/load.hpp"
+#include "setup/null_watch.hpp"
 #include "setup/session_setting.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/touch.hpp"
@@ -190,16 +191,17 @@ session::LoopStats play_points(SessionObject& o, setup::LiveOptions options, std
   session::Session session =
       device ? session::Session(*device, std::move(setting)) : session::Session(std::move(setting));
   setup::warn_of_feel(session);
+  setup::warn_of_boards(options.link, session);
   session::LinkSetting link_setting = session.link_setting();
   link_setting.board_files = options.board_files;
   const std::unique_ptr<session::Link> link = session::open_link(options.link, links, link_setting);
   o.run.written = setup::outputs_of(options, links);
   Callbacks callbacks(o, session);
-  if (osc) osc->listen(session, callbacks);
+  setup::WatchedNulls watched(session.setting(), callbacks, false);
+  if (osc) osc->listen(session, watched);
   Changes changes(o.run, osc ? &*osc : nullptr);
-  session::LoopStats stats =
-      session::run_points(session, *o.run.points, *link, o.run.stop,
-                          {.frames = options.frames, .observer = &callbacks, .changes = &changes});
+  session::LoopStats stats = session::run_points(session, *o.run.points, *link, o.run.stop,
+                                                 {.frames = options.frames, .observer = &watched, .changes = &changes});
   if (osc) stats.messages = osc->end();
   setup::tell_backend(options.common, stats);
   return stats;
