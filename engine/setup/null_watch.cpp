@@ -95,7 +95,7 @@ void warn_of_boards(const std::string& link, const session::Session& session) {
   for (const session::SolidHaptics& solid : session.scheduler().solids())
     gain = std::min(gain, solid.voice.gain);
   const std::string doubt =
-      doubt_of_boards(link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
+      coarse_boards_line(link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
   if (!doubt.empty()) log::warning(doubt);
 }
 

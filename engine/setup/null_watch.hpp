@@ -76,7 +76,7 @@ class WatchedNulls final : public session::RunObserver {
 };
 
 /// Warns of nulls that the boards of the link spoil, at the session's ceiling and the least gain of its solids
-/// (doubt_of_boards).
+/// (coarse_boards_line).
 void warn_of_boards(const std::string& link, const session::Session& session);
 
 }  // namespace palpa::setup
