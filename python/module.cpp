@@ -14,14 +14,14 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/words.hpp"
 #include "driver/guard/process.hpp"
 #include "running.hpp"
-#include "setup/asset_folder.hpp"
+#include "setup/files/asset_folder.hpp"
 
 namespace palpa::python {
 

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "layout.hpp"
 #include "own.hpp"
 #include "running.hpp"
@@ -26,8 +26,8 @@
 #include "session/session.hpp"
 #include "session/watch/events.hpp"
 #include "session/watch/stats.hpp"
-#include "setup/live_run.hpp"
-#include "setup/null_watch.hpp"
+#include "setup/sessions/live_run.hpp"
+#include "setup/sessions/null_watch.hpp"
 #include "shapes.hpp"
 
 namespace palpa::python {

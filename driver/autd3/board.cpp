@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/remote.hpp"
 #include "driver/fixed_text.hpp"

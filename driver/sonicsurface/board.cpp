@@ -15,10 +15,10 @@
 #include <utility>
 
 #include "array/layouts/board_types.hpp"
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/now.hpp"
+#include "base/files/input_file.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/lag.hpp"
 #include "driver/plan_tally.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "array/turns.hpp"
+#include "array/field/turns.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {

@@ -23,14 +23,14 @@
 #include <span>
 #include <vector>
 
-#include "array/constraint.hpp"
+#include "array/field/constraint.hpp"
+#include "array/field/split_rows.hpp"
+#include "array/field/transfer.hpp"
 #include "array/nulls.hpp"
 #include "array/solvers/common_phase.hpp"
 #include "array/solvers/gs_pat.hpp"
 #include "array/solvers/lower_peaks.hpp"
 #include "array/solvers/silent_phases.hpp"
-#include "array/split_rows.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "array/free_field.hpp"
+#include "array/field/free_field.hpp"
 #include "array/solvers/search.hpp"
 
 namespace palpa::array {

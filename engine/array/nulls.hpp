@@ -17,11 +17,11 @@
 #include <span>
 #include <vector>
 
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
+#include "array/field/split_rows.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
 #include "array/null.hpp"
-#include "array/split_rows.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {

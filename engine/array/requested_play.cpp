@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "array/turns.hpp"
+#include "array/field/turns.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {

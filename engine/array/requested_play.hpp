@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/free_field.hpp"
-#include "array/played.hpp"
+#include "array/field/free_field.hpp"
+#include "array/layouts/played.hpp"
 
 namespace palpa::array {
 

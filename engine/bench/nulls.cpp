@@ -19,7 +19,7 @@
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/nulls.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "bench/bench.hpp"
 
 namespace palpa::bench {

@@ -5,7 +5,7 @@
 
 #include "cli/command.hpp"
 #include "sensing/rig.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::cli {
 

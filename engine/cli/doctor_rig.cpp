@@ -9,8 +9,8 @@
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/rig_toml.hpp"
 #include "session/links/sources.hpp"
-#include "setup/frames.hpp"
-#include "setup/tracker.hpp"
+#include "setup/sessions/frames.hpp"
+#include "setup/sessions/tracker.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -12,14 +12,14 @@
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
-#include "array/played.hpp"
+#include "array/layouts/played.hpp"
 #include "base/activity.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "experiment/level.hpp"
 #include "experiment/response_cache.hpp"
 #include "experiment/touch_patterns.hpp"
 #include "observer/placements.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::experiment {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "array/loudness.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "session/player.hpp"
 #include "session/predict/capture_times.hpp"
 

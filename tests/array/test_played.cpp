@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "array/layouts/builtin_layouts.hpp"
-#include "array/played.hpp"
+#include "array/layouts/played.hpp"
 
 namespace palpa::array {
 namespace {

@@ -1,5 +1,5 @@
 // What a user is told about nulls.
-#include "setup/nulls.hpp"
+#include "setup/options/nulls.hpp"
 
 #include <gtest/gtest.h>
 

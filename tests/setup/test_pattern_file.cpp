@@ -1,5 +1,5 @@
 // Patterns: what their tables mean, and which are refused in one line.
-#include "setup/pattern_file.hpp"
+#include "setup/files/pattern_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "base/error.hpp"
 #include "geometry/gltf/gltf.hpp"
-#include "setup/scene_reload.hpp"
+#include "setup/sessions/scene_reload.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
 #include "support/files.hpp"

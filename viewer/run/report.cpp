@@ -5,10 +5,10 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "base/text.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::viewer {
 namespace {

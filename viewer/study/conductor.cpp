@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/without_folders.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
-#include "base/without_folders.hpp"
 #include "geometry/gltf/write.hpp"
 #include "session/links/foci_file.hpp"
-#include "setup/interrupt.hpp"
+#include "setup/process/interrupt.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/ear_level.hpp"
 #include "study/sitting/finger_recorder.hpp"

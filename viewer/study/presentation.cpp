@@ -13,8 +13,8 @@
 #include "sensing/rig.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/load.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/sessions/load.hpp"
 #include "study/sitting/ear_level.hpp"
 
 namespace palpa::viewer {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 
 namespace palpa::viewer {

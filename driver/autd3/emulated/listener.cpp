@@ -13,8 +13,8 @@
 #include <cstring>
 #include <vector>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/autd3/pattern.hpp"
 
 namespace palpa::driver::autd3 {

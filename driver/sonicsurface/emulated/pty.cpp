@@ -15,9 +15,9 @@
 #include <thread>
 #include <utility>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 
 namespace palpa::driver::sonicsurface {
 namespace {

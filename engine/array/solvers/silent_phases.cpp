@@ -8,9 +8,9 @@
 #include <numbers>
 #include <utility>
 
+#include "array/field/turns.hpp"
 #include "array/solvers/even_out.hpp"
 #include "array/solvers/hearing.hpp"
-#include "array/turns.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "study/comparison.hpp"

@@ -8,8 +8,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 
 namespace palpa::cli {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "line/values.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::cli {
 

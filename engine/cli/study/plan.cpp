@@ -8,16 +8,16 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
 #include "experiment/observe.hpp"
 #include "line/values.hpp"
-#include "setup/assets.hpp"
-#include "setup/options.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/plan/order.hpp"
 #include "study/sitting/ear_level.hpp"
 

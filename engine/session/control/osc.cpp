@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/log.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "base/text.hpp"
 #include "geometry/haptics.hpp"
 #include "session/control/osc_message.hpp"

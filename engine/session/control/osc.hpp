@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/sparing.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 #include "session/control/live_values.hpp"
 #include "session/loop/run_options.hpp"
 #include "session/watch/stats.hpp"

@@ -13,7 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 
 namespace palpa::session {
 namespace {

@@ -20,7 +20,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/words.hpp"
 #include "geometry/solid.hpp"
 #include "session/watch/touches.hpp"

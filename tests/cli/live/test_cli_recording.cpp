@@ -11,7 +11,7 @@
 #include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "session/watch/stats.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

@@ -4,7 +4,7 @@
 #include "array/transducer_drive.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "setup/drive_file.hpp"
+#include "setup/files/drive_file.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 

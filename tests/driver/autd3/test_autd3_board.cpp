@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "autd3_rig.hpp"
-#include "base/descriptor.hpp"
-#include "base/now.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 #include "driver/autd3/board.hpp"
 #include "driver/autd3/emulated/listener.hpp"
 #include "driver/autd3/emulated/server.hpp"

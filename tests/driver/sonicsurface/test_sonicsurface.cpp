@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
 #include "driver/sonicsurface/emulated/pty.hpp"

@@ -19,7 +19,7 @@
 #include "geometry/mesh/icosphere.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/rehearsal.hpp"
 #include "support/cameras.hpp"

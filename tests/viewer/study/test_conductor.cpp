@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "base/sha256.hpp"
-#include "setup/played_foci.hpp"
+#include "base/files/sha256.hpp"
+#include "setup/files/played_foci.hpp"
 #include "sitting_bench.hpp"
 #include "study/files/study_folder.hpp"
 #include "support/begins.hpp"
