@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"

@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "array/free_drives.hpp"
-#include "array/null_drive.hpp"
-#include "array/nulls.hpp"
+#include "array/nulls/null_drive.hpp"
+#include "array/nulls/nulls.hpp"
 #include "array/pressures/many_foci.hpp"
 #include "array/pressures/slot_pressures.hpp"
 #include "array/pressures/solver_traits.hpp"

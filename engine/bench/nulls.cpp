@@ -18,7 +18,7 @@
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "base/system/parallel.hpp"
 #include "bench/bench.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "base/files/output_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "array/layouts/layout.hpp"
-#include "array/null.hpp"
+#include "array/nulls/null.hpp"
 #include "array/transducer_drive.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"

@@ -1,5 +1,5 @@
 // Drives with nulls, by code of the test's own: how deep nulls are, and what they cost.
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 
 #include <gtest/gtest.h>
 

@@ -24,7 +24,7 @@
 #include <string_view>
 #include <vector>
 
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "base/math.hpp"
 
 namespace palpa::setup {

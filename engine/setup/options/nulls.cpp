@@ -16,7 +16,7 @@
 #include "array/field/free_field.hpp"
 #include "array/field/split_rows.hpp"
 #include "array/layouts/board_types.hpp"
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
@@ -198,7 +198,7 @@ std::string coarse_boards_line(const std::string& link, const array::Layout& lay
   const array::BoardType* const type = array::find_board_type(session::parse_spec(link).name);
   if (type == nullptr || std::ranges::find(layout.boards, type->name, &array::Board::type) == layout.boards.end())
     return {};
-  const bool even = constraint != array::Constraint::normalise;  // `clamp`, too (array/null_drive.hpp)
+  const bool even = constraint != array::Constraint::normalise;  // `clamp`, too (array/nulls/null_drive.hpp)
   if (!type->has_amplitudes() && (!even || gain < 1)) {
     return fmt::format(
         "--null: the boards of --link {} have no amplitudes, and a ceiling or an intensity below 1 turns transducers "

@@ -1,4 +1,4 @@
-// Nulls as options: places where the sound of the foci is to be zero (array/nulls.hpp).
+// Nulls as options: places where the sound of the foci is to be zero (array/nulls/nulls.hpp).
 #pragma once
 
 #include <span>

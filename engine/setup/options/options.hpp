@@ -12,7 +12,7 @@
 #include "acoustics/air.hpp"
 #include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/null.hpp"
+#include "array/nulls/null.hpp"
 #include "array/schedule.hpp"
 #include "base/files/outputs.hpp"
 #include "base/log.hpp"

@@ -12,7 +12,7 @@
 #include "array/drive.hpp"
 #include "array/drive_pass.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/files/json_writer.hpp"

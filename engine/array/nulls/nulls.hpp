@@ -21,7 +21,7 @@
 #include "array/field/split_rows.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
-#include "array/null.hpp"
+#include "array/nulls/null.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {

@@ -1,4 +1,4 @@
-#include "array/null_drive.hpp"
+#include "array/nulls/null_drive.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -26,7 +26,7 @@
 #include "array/field/constraint.hpp"
 #include "array/field/split_rows.hpp"
 #include "array/field/transfer.hpp"
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
 #include "array/solvers/common_phase.hpp"
 #include "array/solvers/gs_pat.hpp"
 #include "array/solvers/lower_peaks.hpp"
