@@ -17,10 +17,12 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
+#include "driver/sources.hpp"
 #include "layout.hpp"
 #include "module.hpp"
 #include "running.hpp"
 #include "sensing/surroundings.hpp"
+#include "session/links/spec.hpp"
 #include "session_doc.hpp"
 #include "session_object.hpp"
 #include "setup/options/options.hpp"
@@ -107,8 +109,21 @@ void add_event(py::module_& m) {
 /// Options that have no effect on frames of points.
 void refuse_camera_options(const setup::LiveOptions& o) {
   setup::refuse_finger_width(o.touch, "depth images");
-  refuse_given({{"every_frame", o.every_frame}, {"record", !o.record.empty()}},
+  refuse_given({{"every_frame", o.every_frame},
+                {"record", !o.record.empty()},
+                {"keep_boards", o.keep_boards},
+                {"hysteresis", o.hysteresis.has_value()}},
                "a source of depth frames, not with points");
+}
+
+/// Throws bad_usage for a source that no run would open.
+void check_source(const std::string& source) {
+  std::vector<session::SourceKind> kinds = setup::with_builtin(driver::camera_sources());
+  kinds.push_back({.name = "points", .help = "points, which push_points() gives", .open = {}});
+  const session::SourceKind& kind =
+      session::find_kind(std::span<const session::SourceKind>(kinds), session::parse_spec(source).name, "source");
+  if (kind.name == "points" && source != kind.name)
+    throw bad_usage(fmt::format("source: {} is not {}", source, kind.help));
 }
 
 void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras) {
@@ -156,6 +171,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (made->live()) {
     if (depth || !camera.is_none()) throw bad_usage("depth and camera are for sessions without a source");
     check(o);
+    check_source(o.source);
     if (made->from_points()) refuse_camera_options(o);
     return made;
   }
@@ -289,6 +305,7 @@ Touch)")
       .def(
           "push_points", &push_points, py::arg("points"), py::arg("time") = py::none(),
           R"(Give a run with source="points" its next frame. Any thread may call it; it does not wait. The newest frame wins.
+It is refused before start() and after the end.
 
 Parameters
 ----------

@@ -209,6 +209,7 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
   EXPECT_CONTAINS(extras_warnings_of({{"palpa_touchabel", false}}),
                   "palpa does not know \"palpa_touchabel\"; did you mean \"palpa_touchable\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"palpa_foci", 8}}}}), "did you mean \"foci\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
   for (const char* key : {"palpa-foci", "palpaFoci", "Palpa_foci", "palpa.foci", "palpafoci", "palpa foci",
                           "PALPA_FOCI", "palpa:foci", "Palpa Foci", " palpa_foci", "\tpalpa_foci", "_palpa_foci",

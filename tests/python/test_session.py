@@ -373,10 +373,16 @@ def test_points_pushed_into_a_run(cube, finger, tmp_path):
     assert kinds[0] == "touch" and kinds[-1] == "release"
 
 
-@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}])
+@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}, {"keep_boards": True}, {"hysteresis": "on"}])
 def test_options_that_points_do_not_have(cube, options):
     with pytest.raises(palpa.BadUsage):
         palpa.Session(cube, source="points", backend="cpu", **options)
+
+
+@pytest.mark.parametrize("source", ["Points", "point", "points ", "points:x", "cameras"])
+def test_sources_that_no_run_would_open(cube, source):
+    with pytest.raises(palpa.BadUsage, match="points"):
+        palpa.Session(cube, source=source, backend="cpu")
 
 
 def test_objects_in_a_circle_are_collected(cube):

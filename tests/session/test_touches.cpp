@@ -48,9 +48,8 @@ struct TouchesOf : ::testing::Test {
   std::vector<geometry::Solid> solids = std::vector<geometry::Solid>(1);
   TouchesOf() { solids[0].haptics.press_depth_m = 0.003; }
 
-  /// Whether a finger presses twice: it presses, is missing for `away_s`, in frames that show so many hands, and comes
-  /// back as `back`.
-  bool presses_again(double away_s, std::uint32_t hands, const Tip& back) const {
+  /// A finger presses, is missing for `away_s`, in frames that show so many hands, and comes back as `back`.
+  HeldTouch touch_after(double away_s, std::uint32_t hands, const Tip& back) const {
     Touches touches{solids};
     double time_s = 1;
     touches.update(touching({{1, 0, 0.001F}}), time_s, 2);
@@ -59,7 +58,10 @@ struct TouchesOf : ::testing::Test {
     for (double away = 0.01; away < away_s; away += 0.01)
       touches.update({}, time_s + away, hands);
     touches.update(touching({back}), time_s + away_s, 2);
-    return touches.held()[0].presses;
+    return touches.held()[0];
+  }
+  bool presses_again(double away_s, std::uint32_t hands, const Tip& back) const {
+    return touch_after(away_s, hands, back).presses;
   }
 };
 
@@ -72,6 +74,14 @@ TEST_F(TouchesOf, AHandThatIsLostWhileItPressesDoesNotPressAgain) {
   EXPECT_TRUE(presses_again(0.1, 2, {7})) << "the hand was seen elsewhere";
   EXPECT_TRUE(presses_again(0.1, 0, {7, 0.03F})) << "30 mm beside it";
   EXPECT_FALSE(presses_again(0.1, 0, {7, 0, 0.0025F})) << "it has not come up";
+}
+
+TEST_F(TouchesOf, ALightTouchAfterALostPressNeitherPressesNorLifts) {
+  for (const double away_s : {0.07, 0.1, 0.12, 0.16, 0.19}) {
+    const HeldTouch back = touch_after(away_s, 0, {7, 0.01F, 0.0005F});
+    EXPECT_TRUE(back.begins) << away_s;
+    EXPECT_FALSE(back.presses || back.lifts || back.pressed) << away_s;
+  }
 }
 
 TEST_F(TouchesOf, AHandInDoubtDoesNotPressAgainHoweverLongTheDoubtLasts) {

@@ -292,8 +292,9 @@ std::string explain_unknown(const std::string& key) {
   const std::string_view bare = flat ? from_letter(from_letter(key).substr(own_name.size())) : key;
   if (flat && bare.empty()) return "did you mean \"palpa\"?";
   const std::string meant = key_like(bare);
-  return meant.empty() ? fmt::format("known are {}", fmt::join(keys, ", "))
-                       : fmt::format("did you mean \"{}{}\"?", flat ? prefix : "", meant);
+  if (meant.empty()) return fmt::format("known are {}", fmt::join(keys, ", "));
+  const std::string whole = prefix + meant;  // within an object "palpa", it is unknown
+  return fmt::format("did you mean \"{}\"?", flat && whole != key ? whole : meant);
 }
 
 }  // namespace palpa::geometry::gltf

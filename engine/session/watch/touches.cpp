@@ -157,7 +157,7 @@ void Touches::follow(Held& held, const touch::Finger& finger, double time_s, std
       finger.solid < press_depth_m_.size() ? press_depth_m_[finger.solid] : std::nullopt;
   held.pressed = press_depth_m && finger.depth_m >= (before ? press_rearm : 1) * *press_depth_m;
   held.presses = held.pressed && !before;
-  held.lifts = before && !held.pressed;
+  held.lifts = before && !held.pressed && !held.begins;  // the touch that pressed has ended
   held_now_.push_back(held);
 }
 

@@ -37,7 +37,7 @@ struct HeldTouch {
   bool begins = false;   ///< in this frame
   bool pressed = false;  ///< it is deep enough, or was and has not come up
   bool presses = false;  ///< it passes the press depth in this frame
-  bool lifts = false;    ///< it comes up in this frame, after it pressed
+  bool lifts = false;    ///< it comes up in this frame, after it pressed in the same touch
 };
 
 /// There are never more at one time.
