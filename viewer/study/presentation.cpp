@@ -7,6 +7,7 @@
 #include <set>
 #include <string_view>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
@@ -92,16 +93,20 @@ void take_layouts(study::StudyPlan& plan, const setup::StudyRunOptions& run, con
 
 void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds) {
   const std::vector<session::LinkKind> links = setup::with_builtin(kinds.links);
-  std::set<std::pair<std::string, double>> tried;
+  std::set<std::tuple<std::string, double, bool>> tried;
   for (std::size_t m = 0; m < plan.methods.size(); ++m) {
     const setup::LiveOptions options = options_of_method(plan, m, run, "");
-    if (!tried.emplace(plan.methods[m].layout, plan.methods[m].dwell_s).second) continue;
+    const bool foci_move = !touch::stands_still(options.touch.method.method);
+    if (!tried.emplace(plan.methods[m].layout, plan.methods[m].dwell_s, foci_move).second) continue;
     const setup::PlacedLayout placed = setup::load_placed_layout(options.rig);
     const array::Layout layout = array::transformed(placed.layout, placed.T_world_layout);
     try {
-      const auto link = session::open_link(
-          run.link, links,
-          {.layout = layout, .solid_names = {}, .slot_s = options.touch.dwell_s, .board_files = run.board_files});
+      const auto link = session::open_link(run.link, links,
+                                           {.layout = layout,
+                                            .solid_names = {},
+                                            .slot_s = options.touch.dwell_s,
+                                            .foci_move = foci_move,
+                                            .board_files = run.board_files});
       session::SafeLink(*link, layout.transducers.size()).finish();
       if (const array::Layout* const boards = link->boards()) study::refuse_silent(plan, boards);
     } catch (const Error& error) {

@@ -204,7 +204,9 @@ void SafeLink::warn_if_faint(double factor) {
     round(scaled_drive_, loudest_slot_, factor);
     faint = !sounds(scaled_drive_);
   }
-  if (faint && !faint_) {
+  if (faint && !faint_ && !std::isfinite(boards_->least_to_say())) {
+    log::warning("the array is silent: the files of its boards turn every transducer off");
+  } else if (faint && !faint_) {
     log::warning(fmt::format(
         "the array is silent: the loudest amplitude is {:.3g}, and the least that {} boards play{} is {:g}; raise the "
         "ceiling, the gain or the pressure",

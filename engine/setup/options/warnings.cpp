@@ -50,7 +50,9 @@ void warn_of_feel(const session::Session& session) {
     if (!haptics.clicks() && !vibrates) continue;
     const std::string where = fmt::format("{}: mesh \"{}\"", solid.file, printable(solid.name, 60));
     if (session.setting().schedule.steady) {
-      log::warning(where + " has a click or a texture, but the link cannot change in every slot: palpa plays neither");
+      log::warning(
+          where +
+          " has a click or a texture, but the link cannot change in every slot: palpa plays it as if it had neither");
       continue;
     }
     const double hz = haptics.clicks() ? haptics.click->hz : (*haptics.texture)[2] > 0 ? array::high_hz : array::low_hz;
