@@ -84,6 +84,11 @@ void PatternSensation::points(std::span<const double> times_s, State& state, std
   }
 }
 
+bool PatternSensation::has_changes() {
+  const std::lock_guard lock(mutex_);
+  return changed_;
+}
+
 bool PatternSensation::take_changes() {
   const std::lock_guard lock(mutex_);
   if (!std::exchange(changed_, false)) return false;

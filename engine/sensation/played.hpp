@@ -46,7 +46,9 @@ class Sensation {
   virtual ~Sensation() = default;
   /// Appends the points of the ascending times, none before the state's. Throws Error.
   virtual void points(std::span<const double> times_s, State& state, std::vector<Point>& out) = 0;
-  /// Takes what other threads have changed; true if there was something. Called on the thread that calls points().
+  /// Whether other threads have changed something, which take_changes() takes. Both are for the thread that calls
+  /// points().
+  virtual bool has_changes() { return false; }
   virtual bool take_changes() { return false; }
   /// The highest frequency of its path and its modulation; 0 if it has none or is not known.
   virtual double fastest_hz() const { return 0; }
@@ -64,6 +66,7 @@ class PatternSensation final : public Sensation {
   explicit PatternSensation(Pattern pattern, const std::map<std::string, double>& given = {}, double speed = 1);
 
   void points(std::span<const double> times_s, State& state, std::vector<Point>& out) override;
+  bool has_changes() override;
   bool take_changes() override;
   double fastest_hz() const override;
 
