@@ -401,15 +401,13 @@ class Autd3Board final : public Board {
     const array::Board& board = layout_.boards[device];
     const Vec3 way = focus - layout_.transducers[board.first].position;
     const auto along = [&](int axis) {
-      constexpr double most = 1e9;
       const double units = glm::dot(way, Vec3(board.T_layout_board[axis])) / fixed_unit_m;
-      return static_cast<std::int32_t>(std::lround(std::clamp(units, -most, most)));
+      return static_cast<std::int32_t>(std::lround(std::clamp(units, -1e9, 1e9)));
     };
     return {along(0), along(1), along(2)};
   }
 
-  /// Whether the devices can compute the drives from their foci: one amplitude for each drive, and foci that a message
-  /// can hold.
+  /// Whether the devices can compute the drives from their foci: one amplitude for each drive, and foci within reach.
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
     if (!loading_.even() || foci.size() < 2 || foci.size() > most_foci) return false;

@@ -187,8 +187,8 @@ void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, doub
   out.zeros(4 + 8);
   for (const FixedPoint& focus : foci) {
     const auto bits = [](std::int32_t value) { return static_cast<std::uint64_t>(value) & eighteen_bits; };
-    const std::uint64_t word = bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 |
-                               std::uint64_t{focus.intensity} << 54;
+    const std::uint64_t word =
+        bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 | std::uint64_t{focus.intensity} << 54;
     for (int byte = 0; byte < 8; ++byte)
       out.u8(static_cast<std::uint8_t>(word >> (8 * byte)));
   }

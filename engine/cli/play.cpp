@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "drawing/png.hpp"
+#include "line/values.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/live_run.hpp"
 #include "setup/play.hpp"
@@ -20,6 +21,13 @@ namespace palpa::cli {
 namespace {
 
 using setup::PlayOptions;
+
+void add_options_of_play(CLI::App& app, PlayOptions& o) {
+  line::Group(app, "What to play")
+      .words("sensation", o.names, "FILE|NAME",
+             fmt::format("a pattern of Adaptics, or {}", fmt::join(setup::sensation_names(), ", ")));
+  setup::add_play_options(app, o);
+}
 
 struct PlayResult {
   std::string name;
@@ -103,7 +111,7 @@ void add_play(Program& program) {
        "  palpa play circle --link openmpd:FT43NK5M --ceiling 0.5",
        "--param --speed --duration --at --on --source --link --layout --ceiling --csv",
        "Plays until a stop of the pattern, --duration or Ctrl-C. At its end, palpa silences the array.", "FILE|NAME"},
-      setup::add_play_options, [&extensions](const PlayOptions& o) { run_play(extensions, o); },
+      add_options_of_play, [&extensions](const PlayOptions& o) { run_play(extensions, o); },
       setup::Computes::on_processor);
 }
 

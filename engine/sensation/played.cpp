@@ -45,13 +45,13 @@ PatternSensation::PatternSensation(Pattern pattern, const std::map<std::string, 
   next_ = now_;
 }
 
-Evaluation PatternSensation::step_at(double time_ms, State& state) const {
-  return evaluate(*now_.pattern, now_.values, time_ms, state.progress, state.random,
+Evaluation PatternSensation::step_at(double time_ms, const Values& values, State& state) const {
+  return evaluate(*now_.pattern, values, time_ms, state.progress, state.random,
                   {.speed = speed_, .matrix = now_.matrix ? &*now_.matrix : nullptr});
 }
 
-Evaluation PatternSensation::step(double time_s, State& state) const {
-  return step_at(ms_of(time_s), state);
+Evaluation PatternSensation::step(double time_s, const Values& values, State& state) const {
+  return step_at(ms_of(time_s), values, state);
 }
 
 Point PatternSensation::point_of(const Evaluation& at, double time_s) {
@@ -73,12 +73,12 @@ void PatternSensation::points(std::span<const double> times_s, State& state, std
     const auto next_ms = [&] { return begin_ms + static_cast<double>(state.steps) * step_ms; };
     for (; next_ms() <= time_ms + same_ms; ++state.steps) {
       const bool met = next_ms() >= time_ms - same_ms;
-      const Evaluation stepped = step_at(next_ms(), state);
+      const Evaluation stepped = step_at(next_ms(), now_.values, state);
       if (met) at = stepped;
     }
     if (!at) {
       State beside = state;
-      at = step_at(time_ms, beside);
+      at = step_at(time_ms, now_.values, beside);
     }
     out.push_back(point_of(*at, time_s));
   }

@@ -71,9 +71,12 @@ class PatternSensation final : public Sensation {
   double fastest_hz() const override;
 
   /// One evaluation, raw: the state goes on from the time before to this one, without steps in between.
-  Evaluation step(double time_s, State& state) const;
+  Evaluation step(double time_s, State& state) const { return step(time_s, now_.values, state); }
+  /// The same with other values of its parameters.
+  Evaluation step(double time_s, const Values& values, State& state) const;
 
   /// What it plays. Only for the thread that calls points().
+  const std::map<std::string, double>& given() const { return now_.given; }
   const Pattern& pattern() const { return *now_.pattern; }
   const Values& values() const { return now_.values; }
 
@@ -95,7 +98,7 @@ class PatternSensation final : public Sensation {
     std::optional<Transform> matrix;
   };
   Point point_of(const Evaluation& at, double time_s);
-  Evaluation step_at(double time_ms, State& state) const;
+  Evaluation step_at(double time_ms, const Values& values, State& state) const;
 
   Content now_;
   double speed_;

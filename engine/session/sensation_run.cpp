@@ -149,7 +149,7 @@ class SensationPlans {
  private:
   void follow_changes(std::uint64_t next);
   void tell_sounded(std::uint64_t next);
-  void fill(std::uint64_t next, std::uint64_t until, const std::optional<Transform>& hand, array::Voice& voice);
+  void fill(std::uint64_t from, std::uint64_t until, const std::optional<Transform>& hand, array::Voice& voice);
   void drive(std::uint64_t from, std::uint64_t until, const array::Voice& voice);
   bool silent(Plan& plan);
 
@@ -192,7 +192,7 @@ void SensationPlans::follow_changes(std::uint64_t next) {
 
 /// Points whose slots have passed have sounded.
 void SensationPlans::tell_sounded(std::uint64_t next) {
-  const std::uint64_t least = next > count_ ? next - count_ : 0;
+  const std::uint64_t least = next > count_ ? next - count_ : 0;  // older ones are not kept
   for (told_ = std::max(told_, least); told_ < next; ++told_) {
     const sensation::Point& point = points_.at(told_);
     const std::optional<Transform> hand =
@@ -207,13 +207,13 @@ void SensationPlans::tell_sounded(std::uint64_t next) {
   }
 }
 
-/// Places and gains from `next` on.
-void SensationPlans::fill(std::uint64_t next, std::uint64_t until, const std::optional<Transform>& hand,
+/// Places and gains of the slots from `from` on.
+void SensationPlans::fill(std::uint64_t from, std::uint64_t until, const std::optional<Transform>& hand,
                           array::Voice& voice) {
-  voice.course.first_slot = next;
+  voice.course.first_slot = from;
   voice.course.gains.clear();
   Box box;
-  for (std::uint64_t slot = next; slot < until; ++slot) {
+  for (std::uint64_t slot = from; slot < until; ++slot) {
     const bool before = slot < points_.begin();
     const sensation::Point point = before ? sensation::Point{} : points_.at(slot);
     Vec3 place = transform_point(setting_.T_world_array, placed(point, setting_, hand));
@@ -247,22 +247,24 @@ bool SensationPlans::silent(Plan& plan) {
 bool SensationPlans::make(std::uint64_t next, double begin_s, Plan& plan) {
   const double slot_s = setting_.output.slot_s;
   follow_changes(next);
-  if (plays_) tell_sounded(next);
+  // The output may be late and take the plan for the slot before, which is as it was.
+  const std::uint64_t from = next > 0 ? next - 1 : 0;
+  if (plays_) tell_sounded(from);
   if (!plays_) return silent(plan);
-  points_.fill(std::max(points_.begin(), next) + count_);
+  points_.fill(std::max(points_.begin(), from) + count_);
   end_ = points_.stop();
   if (setting_.end_s) {
     const double left_s = *setting_.end_s - points_.time_of(points_.begin());
     const std::uint64_t last = points_.begin() + slots_until(std::max(left_s, 0.0), slot_s);
     end_ = std::min(end_.value_or(last), last);
   }
-  const std::uint64_t until = std::min(next + count_, end_.value_or(next + count_));
+  const std::uint64_t until = std::min(from + count_, end_.value_or(from + count_));
   const bool on_hand = setting_.anchor && transport_.now().follows;
   const Anchor::Seen seen = on_hand ? setting_.anchor->now() : Anchor::Seen{};
   if (until <= next || (on_hand && !seen.T_array_hand)) return silent(plan);
   plan.schedule.clear();
   plan.schedule.slot_s = slot_s;
-  plan.schedule.time_s = static_cast<double>(next) * slot_s;
+  plan.schedule.time_s = static_cast<double>(from) * slot_s;
   plan.schedule.once = true;
   array::Voice& voice = plan.schedule.add_voice();
   voice = {};
@@ -270,16 +272,16 @@ bool SensationPlans::make(std::uint64_t next, double begin_s, Plan& plan) {
   voice.order.resize(count_);
   std::iota(voice.order.begin(), voice.order.end(), 0U);
   voice.dwell_s = slot_s;
-  fill(next, until, seen.T_array_hand, voice);
+  fill(from, until, seen.T_array_hand, voice);
   list_nothing(plan);
   plan.cycle.plays = Plays::slot_by_slot;
   if (setting_.listed) {
     if (seen.number != std::exchange(hand_number_, seen.number)) redraw_ = next;
-    drive(std::clamp(redraw_, next, until), until, voice);
+    drive(std::clamp(redraw_, from, until), until, voice);
     redraw_ = until;
     plan.drives = drives_;
     const std::size_t transducers = setting_.output.layout.transducers.size();
-    for (std::uint64_t slot = until; slot < next + count_; ++slot) {  // it ends before
+    for (std::uint64_t slot = until; slot < from + count_; ++slot) {  // it ends before
       std::fill_n(plan.drives.begin() + static_cast<std::ptrdiff_t>(slot % count_ * transducers), transducers,
                   array::TransducerDrive{0, 0});
       voice.foci[slot % count_] = voice.foci[(until - 1) % count_];
@@ -422,7 +424,7 @@ OutputStats run_sensation(sensation::Sensation& sensation, Transport& transport,
       const std::optional<FirstSlot> first = slots.first(0);
       if (first) {
         const double begin_s = *first->ahead_s - (static_cast<double>(first->slot) + 0.5) * slot_s;
-        if (made.make(first->slot + 1, begin_s, plans.back())) plans.publish();
+        if (made.make(first->slot, begin_s, plans.back())) plans.publish();
         end_s = made.end_s(begin_s);
       }
       clock.sleep_until(std::min(now_s + (first ? wait_s : 1e-3), end_s.value_or(now_s + wait_s)));

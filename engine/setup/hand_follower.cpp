@@ -50,7 +50,7 @@ class Following : public HandFollower {
       stop_ = true;
     });
   }
-  /// Of the most derived class' destructor.
+  /// For the destructor of the most derived class.
   void drop() {
     try {
       end();

@@ -28,8 +28,9 @@ class HandFollower {
 };
 
 /// Opens the source of `frames` and follows the hand on a thread of its own, with times of `clock`. `anchor` gets its
-/// pose in the frame of the array, which stands at `T_world_array`. Of several hands, it stays with one as long as that
-/// is there. Throws as open_tracker and prepare() do, and bad_usage for a source that does not go with `on`.
+/// pose in the frame of the array, which stands at `T_world_array`. If there are several hands, it stays with one as
+/// long as that is there. Throws as open_tracker and prepare() do, and bad_usage for a source that does not go with
+/// `on`.
 std::unique_ptr<HandFollower> follow_hand(On on, const FrameOptions& frames,
                                           std::span<const session::SourceKind> sources, const Transform& T_world_array,
                                           session::Anchor& anchor, std::atomic<bool>& stop,

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "base/error.hpp"
@@ -52,8 +53,6 @@ std::optional<Vec3> place_of(const PlayOptions& o) {
 
 void add_play_options(CLI::App& app, PlayOptions& o) {
   const line::Group what(app, "What to play");
-  what.words("sensation", o.names, "FILE|NAME",
-             fmt::format("a pattern of Adaptics, or {}", fmt::join(sensation_names(), ", ")));
   what.texts("--param", o.parameters, "NAME=VALUE",
              "value of a parameter of the pattern; give it again for more of them [the pattern's]");
   what.number("--speed", o.speed, {0, 100}, "NUMBER",

@@ -21,7 +21,7 @@
 
 namespace palpa::setup {
 
-/// Of its FrameOptions, it uses common, scene, source, rig, drive, safety and the hold.
+/// It uses common, scene, source, rig, drive, safety and the hold of its FrameOptions.
 struct PlayOptions : FrameOptions {
   PlayOptions() {
     source.clear();
@@ -77,7 +77,7 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& options, double fastest
                                       std::span<const session::LinkKind> links);
 
 /// The most slots in a table, a picture or a record.
-inline constexpr std::uint64_t most_offline_slots = 2'000'000;
+inline constexpr std::uint64_t most_offline_slots = 500'000;
 /// The slots until its stop or its duration, for files. Throws bad_usage if there are more than most_offline_slots.
 std::vector<sensation::Point> offline_points(const PlayOptions& options, sensation::Sensation& sensation,
                                              const session::SensationSetting& setting, const std::string& who);
