@@ -76,6 +76,12 @@ class Player:
         except palpa.Error as fault:
             self.fault = fault
 
+    def end(self):
+        """Silence, and the end of play(), which may only have begun."""
+        while self.thread.is_alive():
+            self.sensation.stop()
+            self.thread.join(0.05)
+
     def take(self, text):
         """Does what a message says. ValueError for one that says nothing it knows: it changes nothing."""
         if not isinstance(text, str):
@@ -228,7 +234,7 @@ async def run(player, arguments):
     player.thread.start()
     try:
         async with websockets.serve(server.serve, "127.0.0.1", arguments.port, process_request=server.check,
-                                    max_size=MOST_BYTES, ping_interval=PING_S, ping_timeout=PATIENCE_S) as listening:
+                                    max_size=MOST_BYTES, ping_interval=PING_S, ping_timeout=PATIENCE_S, close_timeout=1) as listening:
             port = next(iter(listening.sockets)).getsockname()[1]
             print(f"listening on ws://127.0.0.1:{port}/", flush=True)
             updates = asyncio.create_task(server.send_updates())
@@ -237,11 +243,10 @@ async def run(player, arguments):
                     await asyncio.wait_for(end.wait(), 0.1)
                 except asyncio.TimeoutError:
                     pass
-            player.sensation.stop()
             updates.cancel()
+            player.end()  # silence comes before clients that may be slow to say goodbye
     finally:
-        player.sensation.stop()
-        player.thread.join()
+        player.end()
 
 
 def main():

@@ -2,7 +2,6 @@
 import base64
 import json
 import os
-import pathlib
 import re
 import signal
 import socket
@@ -103,10 +102,12 @@ class Client:
 
 
 @pytest.fixture
-def served(tmp_path):
-    """A server that records its drives, and a function that ends it and returns them."""
-    arguments = [sys.executable, str(ROOT / "examples/adaptics/server.py"), "--port", "0", "--layout", "openmpd",
-                 "--link", "foci:udp:127.0.0.1:%d"]
+def served(request):
+    """Its port, its process, and a socket that gets its foci. With a parameter, clients that freeze are dropped that soon."""
+    patience_s = getattr(request, "param", adaptics.PATIENCE_S)
+    code = (f"import sys; sys.path.insert(0, {str(ROOT / 'examples/adaptics')!r}); import server; "
+            f"server.PING_S = server.PATIENCE_S = {patience_s}; server.main()")
+    arguments = [sys.executable, "-c", code, "--port", "0", "--layout", "openmpd", "--link", "foci:udp:127.0.0.1:%d"]
     heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     heard.bind(("127.0.0.1", 0))
     heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
@@ -191,6 +192,17 @@ def test_a_stop_is_told(served):
         evals = client.evals_until(lambda evals: evals[0]["stop"])
         assert len(evals) >= 2 and all(one["ul_control_point"]["intensity"] == 0 for one in evals)
         wait_for_sound(heard, False)
+
+
+@pytest.mark.parametrize("served", [0.5], indirect=True)
+def test_a_client_that_freezes_is_dropped(served):
+    port, _, heard = served
+    frozen, other = Client(port), Client(port)
+    frozen.connect_as_the_designer()
+    frozen.play()
+    wait_for_sound(heard, True)
+    other.socket.close()
+    wait_for_sound(heard, False)  # the last client that answers pings is gone; it has read nothing since
 
 
 def test_pages_of_others_are_refused(served):
