@@ -424,7 +424,6 @@ class Autd3Board final : public Board {
       return true;
     });
   }
-
   void put_all_foci(Message message, std::size_t device, std::uint8_t segment) const {
     std::array<FixedPoint, most_foci> points;
     const std::uint32_t parts = loading_.parts();
