@@ -56,7 +56,7 @@ struct SensationObject {
 std::map<std::string, double> values_of(const py::dict& given) {
   std::map<std::string, double> values;
   for (const auto& [key, value] : given) {
-    const std::string name = py::cast<std::string>(key);
+    const std::string name = bytes_of("a parameter", key);
     const std::vector<double> numbers = numbers_of(name, value);
     if (numbers.size() != 1) throw bad_usage(fmt::format("{}: give one number", name));
     values[name] = numbers[0];
@@ -146,8 +146,10 @@ std::map<std::string, std::vector<double>> courses_of(const py::object& paramete
                                                       const sensation::Pattern& pattern) {
   std::map<std::string, std::vector<double>> courses;
   if (parameters.is_none()) return courses;
-  for (const auto& [key, value] : py::cast<py::dict>(parameters)) {
-    const std::string name = py::cast<std::string>(key);
+  if (!PyDict_Check(parameters.ptr())) throw bad_usage("parameters: give a dict of numbers");
+  for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(parameters)) {
+    if (!PyUnicode_Check(key.ptr())) throw bad_usage("parameters: give names as texts");
+    const std::string name = bytes_of("parameters", key);
     if (!pattern.parameter(name)) known_values(py::dict(py::arg(name.c_str()) = 0.0), pattern);
     std::vector<double> numbers = numbers_of(name, value);
     if (numbers.size() == 1) numbers.resize(times, numbers[0]);
