@@ -303,7 +303,7 @@ seed : int, optional
 
 Returns
 -------
-tuple or dict
+pair of ndarray, or dict
     Places in metres, of shape (n, 3), and gains, of shape (n,).)";
 constexpr const char* play_doc =
     R"(Play until the sensation ends, its duration is over, or stop() is called; the array is silent afterwards.
