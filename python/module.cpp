@@ -326,6 +326,7 @@ PYBIND11_MODULE(_engine, m) {
   add_tasks(m);
   add_recording(m);
   add_session(m);
+  add_sensation(m);
   add_pickles(m);
   guard(m);
 }

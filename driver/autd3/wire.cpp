@@ -173,7 +173,7 @@ bool within_reach(const FixedPoint& focus) {
 
 void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
               std::span<const FixedPoint> foci) {
-  constexpr std::uint64_t full = 255, eighteen_bits = (1 << 18) - 1;
+  constexpr std::uint64_t eighteen_bits = (1 << 18) - 1;
   Writer out(message);
   out.u8(foci_pattern);
   out.u8(begin_flag | end_flag);
@@ -187,7 +187,8 @@ void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, doub
   out.zeros(4 + 8);
   for (const FixedPoint& focus : foci) {
     const auto bits = [](std::int32_t value) { return static_cast<std::uint64_t>(value) & eighteen_bits; };
-    const std::uint64_t word = bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 | full << 54;
+    const std::uint64_t word =
+        bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 | std::uint64_t{focus.intensity} << 54;
     for (int byte = 0; byte < 8; ++byte)
       out.u8(static_cast<std::uint8_t>(word >> (8 * byte)));
   }

@@ -225,7 +225,8 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
           false,
           kind.reads_files,
           kind.own_layout,
-          kind.least_moving_slot_s};
+          kind.least_moving_slot_s,
+          kind.plays_plans};
 }
 
 }  // namespace palpa::driver

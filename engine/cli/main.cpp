@@ -30,6 +30,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_doctor(program);
   add_touch(program);
   add_run(program);
+  add_play(program);
   add_export(program);
   add_link(program);
   add_calibrate(program);

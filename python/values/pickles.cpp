@@ -42,8 +42,8 @@ PALPA_FIELDS(Course, from, to, first, slots, texture, begin, end, gains)
 PALPA_FIELDS(Voice, id, solid, foci, velocity, order, per_slot, dwell, hz, modulation, gain, course, pressure, target,
              reached)
 static void fields(python::Archive& a, Schedule& o) {
-  auto& [slot, voices, count, time, advance, names] = o;  // a TouchObject has the names itself
-  a(slot, voices, count, time, advance);
+  auto& [slot, voices, count, time, advance, once, names] = o;  // a TouchObject has the names itself
+  a(slot, voices, count, time, advance, once);
 }
 PALPA_FIELDS(Board, type, first, count, width, height, pose)
 PALPA_FIELDS(Layout, name, transducers, boards, factors, level, frequency, radius, pose)

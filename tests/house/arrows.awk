@@ -3,7 +3,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base line drawing gpu geometry sensing touch array acoustics study observer session setup experiment bench cli", floor_names)
+  split("base line drawing gpu geometry sensation sensing touch array acoustics study observer session setup experiment bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ uses the engine only through its small interfaces.

@@ -5,7 +5,7 @@
 #include "base/files/outputs.hpp"
 #include "base/log.hpp"
 #include "experiment/skin_rates.hpp"
-#include "setup/sessions/body.hpp"
+#include "setup/files/body.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "viewer/app/shown_touch.hpp"
 #include "viewer/render/offscreen.hpp"

@@ -151,6 +151,10 @@ Osc::~Osc() {
 void Osc::listen(const Session& session, RunObserver& observer) {
   values_.set_scene(session);
   observer_ = &observer;
+  listen();
+}
+
+void Osc::listen() {
   thread_ = start_thread("--osc", [this] { work(); });
 }
 

@@ -92,6 +92,7 @@ struct LinkKind {
   std::function<std::string(const std::string& argument)> own_layout{};
   /// The shortest slot in which the focus may change, for a link with such a limit. Throws as open().
   std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
+  bool plays_plans = false;  ///< as Link::plays_plans()
 };
 
 /// `null`, `record`, `foci`.

@@ -179,12 +179,13 @@ void SafeLink::find_loudest(const PlayedPlan& plan) {
   const std::size_t transducers = silence_.size();
   loudest_ = 0;
   loudest_drive_.clear();
-  for (std::size_t entry = 0; entry < plan.drives.size(); ++entry) {
+  const bool rises = plan.schedule.once;  // a sensation may be faint now and loud later
+  for (std::size_t entry = 0; entry < plan.drives.size() && !rises; ++entry) {
     if (!(plan.drives[entry].amplitude > loudest_)) continue;
     loudest_ = plan.drives[entry].amplitude;
     loudest_slot_ = entry / transducers;
   }
-  if (plan.drives.empty()) {
+  if (plan.drives.empty() || rises) {
     for (std::uint32_t v = 0; v < plan.schedule.voice_count; ++v)
       loudest_ = std::max(loudest_, static_cast<float>(plan.schedule.voices[v].gain));
   } else if (loudest_ > 0) {

@@ -18,10 +18,10 @@
 #include "base/files/json_writer.hpp"
 #include "base/system/parallel.hpp"
 #include "gpu/commands.hpp"
+#include "setup/files/body.hpp"
 #include "setup/files/pattern_file.hpp"
 #include "setup/files/touch_file.hpp"
 #include "setup/options/warnings.hpp"
-#include "setup/sessions/body.hpp"
 #include "setup/sessions/load.hpp"
 #include "touch/methods/method.hpp"
 

@@ -82,7 +82,7 @@ std::string to_json(const DriveResult& result);
 
 /// A rigid finger in the sound of a layout's transducers, for drives that focus on it.
 struct FingerInSound {
-  /// `body` must come from body_of (setup/sessions/body.hpp) for this air, be clear of the array
+  /// `body` must come from body_of (setup/files/body.hpp) for this air, be clear of the array
   /// (acoustics::check_clear_of), and be in the layout's frame. `layout` must outlive this object. The air is that of
   /// `drive`, without absorption, as in the solvers.
   FingerInSound(geometry::Mesh body, const array::Layout& layout, const FocusingOptions& drive);

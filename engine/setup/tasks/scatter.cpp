@@ -17,9 +17,9 @@
 #include "base/files/json_writer.hpp"
 #include "base/system/parallel.hpp"
 #include "line/values.hpp"
+#include "setup/files/body.hpp"
 #include "setup/files/drive_file.hpp"
 #include "setup/options/warnings.hpp"
-#include "setup/sessions/body.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/tasks/force_check.hpp"
 

@@ -77,7 +77,7 @@ struct ScatterResult {
 /// The output of `palpa scatter --json` (docs/files.md).
 std::string to_json(const ScatterResult& result);
 
-/// The sound around a closed mesh, which messages call `name`. Throws as body_of (setup/sessions/body.hpp),
+/// The sound around a closed mesh, which messages call `name`. Throws as body_of (setup/files/body.hpp),
 /// acoustics::check_source and acoustics::check_clear_of do, which get `force`. Throws bad_usage for a direction
 /// without length, for a drive with another number of transducers, for points that are not numbers or farther than 100
 /// m away, and for a plane wave or a point source in absorbing air.

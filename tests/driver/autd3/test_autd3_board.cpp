@@ -219,6 +219,34 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
   rig.end_silent();
 }
 
+TEST(Autd3Board, FociOneByOneHaveAnIntensityEach) {
+  Rig rig;
+  rig.open();
+  for (int p = 0; p < 10; ++p)
+    aim(rig, {0.01 * std::cos(p), 0.01 * std::sin(p), 0.1});
+  for (std::size_t t = 0; t < rig.drives.size(); ++t)
+    rig.drives[t].amplitude = 0.1f * static_cast<float>(t / transducers);  // 0 is a pause of the pattern
+  const std::uint64_t before = rig.device().operations();
+  const double planned_s = rig.plan();
+  ASSERT_TRUE(rig.tend_until([&] { return rig.device().transitions() == 2; }));
+  EXPECT_EQ(rig.device().operations() - before, 2u) << "the foci, the transition";
+  {
+    const std::lock_guard held(rig.serving->lock);
+    std::vector<int> heard, wanted;
+    for (int s = 0; s < 10; ++s) {
+      const auto output = rig.device().output(planned_s + (100 + s + 0.5) * 1.5e-3);
+      for (const auto& one : output)
+        EXPECT_EQ(one.intensity, output[0].intensity);
+      heard.push_back(output[0].intensity);
+      wanted.push_back(emission(rig.part(static_cast<std::uint64_t>(s))[0]).intensity);
+    }
+    std::ranges::sort(heard);
+    std::ranges::sort(wanted);
+    EXPECT_EQ(heard, wanted);
+  }
+  rig.end_silent();
+}
+
 TEST(Autd3Board, FociInSoundOfASpeedThatADeviceCannotBeToldAreDrives) {
   struct Sound {
     double speed_m_s, way_m;

@@ -145,6 +145,28 @@ TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
   }
 }
 
+TEST(OpenMpdRun, ASensationIsHeardToItsSilentEnd) {
+  const auto trace = scratch_folder("openmpd-sensation-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-sensation", "EMU1", {"--trace", trace.string()});
+  const RunOptions options{.environment = emulation.environment()};
+  const Result result = palpa({"play", "circle", "--link", "openmpd:EMU1", "--duration", "500ms", "--dwell", "0.5ms",
+                               "--ceiling", "0.5", "--json", "-"},
+                              options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = emulation.end();
+  EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
+  EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
+  const Heard heard = heard_in(trace);
+  const json drives = json::parse(result.out)["drives"];
+  EXPECT_TRUE(heard.ends_silent());
+  EXPECT_GT(heard.sounding, 0u);
+  EXPECT_EQ(
+      drives["sent"].get<std::uint64_t>() - drives["silent"].get<std::uint64_t>() - drives["lost"].get<std::uint64_t>(),
+      heard.sounding)
+      << drives;
+  EXPECT_GE(drives["sent"].get<std::uint64_t>() + drives["skipped_slots"].get<std::uint64_t>(), 1000u);
+}
+
 TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
   const auto trace = scratch_folder("openmpd-trace") / "wire.jsonl";
   Emulation emulation("openmpd-test", "EMU1", {"--trace", trace.string()});

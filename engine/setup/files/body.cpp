@@ -1,4 +1,4 @@
-#include "setup/sessions/body.hpp"
+#include "setup/files/body.hpp"
 
 #include <fmt/format.h>
 
