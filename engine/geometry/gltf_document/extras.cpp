@@ -293,7 +293,7 @@ std::string explain_unknown(const std::string& key) {
   if (flat && bare.empty()) return "did you mean \"palpa\"?";
   const std::string meant = key_like(bare);
   if (meant.empty()) return fmt::format("known are {}", fmt::join(keys, ", "));
-  const std::string whole = prefix + meant;  // within an object "palpa", it is unknown
+  const std::string whole = fmt::format("{}{}", prefix, meant);  // within an object "palpa", it is unknown
   return fmt::format("did you mean \"{}\"?", flat && whole != key ? whole : meant);
 }
 
