@@ -126,7 +126,7 @@ def missing_own(path, text, headers):
 
 
 def resolve(name, beside):
-    for folder in (beside.parent, ROOT, ROOT / "engine", ROOT / "tests"):
+    for folder in (beside.parent, ROOT, ROOT / "engine", ROOT / "tests", ROOT / "python"):
         if (folder / name).is_file():
             return folder / name
     return None

@@ -53,6 +53,7 @@ std::vector<geometry::Solid> cube_called(const std::string& name) {
 SessionSetting setting_of_button() {
   SessionSetting setting{.solids = cube_called("cube"), .feel_may_change = true};
   setting.solids[0].haptics.press_depth_m = 0.003;
+  setting.hold_s = 0.5;  // longer than between two frames of these tests
   return setting;
 }
 

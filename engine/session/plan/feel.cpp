@@ -85,6 +85,11 @@ bool Feel::vibrates(const Own& own) const {
   return own.texture && carries(pace_, fastest_hz(*own.texture));
 }
 
+/// Without vibrations that the pace carries, a solid feels as if it had no texture.
+array::Texture Feel::played_texture(const Own& own) const {
+  return vibrates(own) ? *own.texture : array::Texture();
+}
+
 bool Feel::Own::silence_first() const {
   return at_rest(gain, stiffness, press_depth_m) > most_resting_gain;
 }
@@ -120,7 +125,7 @@ void Feel::shape(const touch::Touch& touch, double time_s, const Following& foll
       known.seen_s = time_s;
     } else {
       const array::Course::Values now{.force = own.force(double{finger.depth_m})};
-      give({.from = now, .to = now, .texture = own.texture.value_or(array::Texture())}, voice, frame.slot_s);
+      give({.from = now, .to = now, .texture = played_texture(own)}, voice, frame.slot_s);
     }
   }
 }
@@ -146,7 +151,7 @@ array::Course Feel::course_of(const Own& own, const touch::Finger& finger, const
   const array::Course::Values now{.force = own.force(double{finger.depth_m}),
                                   .motion = vibrates(own) ? speed * speed * (3 - 2 * speed) : 0,
                                   .place = place / own.grain_m};
-  array::Course course{.from = now, .to = now, .texture = vibrates(own) ? *own.texture : array::Texture()};
+  array::Course course{.from = now, .to = now, .texture = played_texture(own)};
   if (frame.first_slot) {
     course.first_slot = *frame.first_slot;
     if (known.seen_s) {

@@ -127,6 +127,7 @@ class Feel {
 
   void set(Own& own, const geometry::Click& click) const;
   bool vibrates(const Own& own) const;
+  array::Texture played_texture(const Own& own) const;
 
   GainPace pace_;
   std::vector<Own> solids_;

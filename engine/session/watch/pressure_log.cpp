@@ -15,9 +15,10 @@ std::optional<std::string> unreached(const array::Schedule& schedule, std::span<
     const array::Voice& voice = schedule.voices[v];
     const double asked = voice.pressure_pa * voice.gain;
     if (!voice.reached_pa || is_reached(asked, *voice.reached_pa)) continue;
-    return fmt::format("finger {} on {} has {:.4g} Pa of the {:.4g} Pa that are asked for: {}{}", voice.id,
-                       voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, asked, why,
-                       schedule.voice_count > 1 ? " while other fingers sound" : "");
+    const int decimals = asked < 100 ? 2 : 0;
+    return fmt::format("finger {} on {} has {:.{}f} Pa of the {:.{}f} Pa that are asked for: {}{}", voice.id,
+                       voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, decimals,
+                       asked, decimals, why, schedule.voice_count > 1 ? " while other fingers sound" : "");
   }
   return std::nullopt;
 }
