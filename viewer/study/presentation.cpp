@@ -56,6 +56,7 @@ setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t m
   options.touch.parameters.foci = own.foci;
   options.touch.stride = own.stride;
   options.touch.dwell_s = own.dwell_s;
+  options.touch.dwell_given = true;
   options.touch.modulation_hz = own.modulation_hz;
   options.touch.method.method = own.method;
   options.touch.method_given = true;
@@ -98,9 +99,12 @@ void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& 
     const setup::PlacedLayout placed = setup::load_placed_layout(options.rig);
     const array::Layout layout = array::transformed(placed.layout, placed.T_world_layout);
     try {
-      const auto link = session::open_link(
-          run.link, links,
-          {.layout = layout, .solid_names = {}, .slot_s = options.touch.dwell_s, .board_files = run.board_files});
+      const auto link = session::open_link(run.link, links,
+                                           {.layout = layout,
+                                            .solid_names = {},
+                                            .slot_s = options.touch.dwell_s,
+                                            .steps = false,
+                                            .board_files = run.board_files});
       session::SafeLink(*link, layout.transducers.size()).finish();
     } catch (const Error& error) {
       const std::string keys = keys_of_options(error.what());
