@@ -12,6 +12,7 @@
 #include "session/loop/loop.hpp"
 #include "session/plan/played_parts.hpp"
 #include "session/plan/tuning_thread.hpp"
+#include "session/previews/ear_sound.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
@@ -94,7 +95,11 @@ struct Session::State {
 /// Passes a run on to the caller's observer, with what a session adds to it.
 class Session::Observer final : public RunObserver {
  public:
-  explicit Observer(const RunOptions& options) : sink_(options.events), caller_(*options.observer) {}
+  Observer(const RunOptions& options, std::size_t transducers) : sink_(options.events), caller_(*options.observer) {
+    reserve(last_, transducers);
+  }
+  /// The last plan that touched something; without voices if none did.
+  const Plan& last() const { return last_; }
 
   /// Frames are of this scene from now on. `fingers` and `tracker`: nullptr without them.
   void begin(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker) {
@@ -125,6 +130,7 @@ class Session::Observer final : public RunObserver {
     caller_.started(frame);
   }
   void planned(const FrameReport& report, const Plan& plan) override {
+    if (plan.schedule.voice_count > 0) last_ = plan;
     if (played_ && array::Loudness::asked(plan.schedule)) {
       log_->planned(plan.schedule, &played_->correct(plan));
     } else {
@@ -151,6 +157,7 @@ class Session::Observer final : public RunObserver {
     caller_.events(events);
   }
 
+  Plan last_;
   std::span<const std::string> solids_;
   std::optional<PlayedParts> played_;
   std::optional<PressureLog> log_;  ///< of this scene
@@ -270,7 +277,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
   check_run(s.setting, options.events != nullptr, "runs");
-  Observer observer(options);
+  Observer observer(options, s.setting.layout.transducers.size());
   observer.play_on(s.setting, link.boards());
   RunOptions loop = options;
   loop.observer = &observer;
@@ -300,6 +307,8 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
   if (last.fingers) stats.finger_sounds = last.fingers->stats();
+  if (const EarDrives ear = ear_drives(observer.last(), last.setting, options.steps); !ear.drives.empty())
+    stats.ear = acoustics::ear_level(ear.played(), ear.ear);
   stats.fingers = observer.pressures();
   stats.solids = observer.names();
   return stats;
