@@ -230,7 +230,7 @@ std::vector<py::object> depth_images_of(const char* name, const py::object& valu
   if (py::isinstance<py::array>(value)) {
     const py::array array(value);
     constexpr py::ssize_t most_channels = 4;  // the image of a colour camera is one that is refused
-    const bool stack = array.ndim() == 3 && array.shape(2) > most_channels;
+    const bool stack = array.ndim() == 3 && array.shape(0) > 0 && array.shape(1) > 1 && array.shape(2) > most_channels;
     const bool numbers = is_real(array) || array.dtype().kind() == 'b' || array.dtype().kind() == 'c';
     if (numbers && !stack) return {value};
   }

@@ -22,6 +22,7 @@
 #include "session/plan/voice.hpp"
 #include "session_object.hpp"
 #include "setup/load.hpp"
+#include "setup/null_watch.hpp"
 #include "setup/session_setting.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/touch.hpp"

@@ -46,7 +46,7 @@ static void fields(python::Archive& a, Schedule& o) {
   a(slot, voices, count, time, advance);
 }
 PALPA_FIELDS(Board, type, first, count, width, height, pose)
-PALPA_FIELDS(Layout, name, transducers, boards, level, frequency, radius, pose)
+PALPA_FIELDS(Layout, name, transducers, boards, factors, level, frequency, radius, pose)
 }  // namespace palpa::array
 
 namespace palpa::acoustics {

@@ -130,6 +130,7 @@ void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras)
   const gpu::Device* const device = setup::kept_device(options.common);
   o.session = device ? std::make_unique<session::Session>(*device, std::move(setting))
                      : std::make_unique<session::Session>(std::move(setting));
+  if (o.session->setting().drive.nulls) o.nulls.emplace(o.session->setting().layout, o.session->setting().drive, true);
 }
 
 SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::object& camera, bool depth,
@@ -210,6 +211,7 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
     const touch::Touch& touch =
         images.empty() ? session.touch(std::span<const sensing::SkinPoint>(points), time) : session.touch(images, time);
     o.events = events_of(session.events(), session.solid_names());
+    if (o.nulls) o.nulls->planned(session.plan());
     return std::make_shared<TouchObject>(TouchObject{setup::values_of(session, touch), time, std::nullopt});
   });
   o.own.throw_fault();
@@ -339,7 +341,7 @@ pose : array_like, shape (4, 4)
       .def("__enter__", [](const SessionPtr& o) { return o; })
       .def("__exit__",
            [](const SessionPtr& o, const py::object& type, const py::object&, const py::object&) {
-             if (!o->run.running) return;
+             if (!o->run.running || !is_own_process()) return;  // in a fork, the run is the parent's
              o->run.stop = true;
              if (type.is_none()) {
                wait_for_end(o);

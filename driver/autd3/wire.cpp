@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "array/layouts/board_types.hpp"
 
@@ -77,23 +76,12 @@ void put_transition(Writer& out, Tag change, std::uint8_t segment) {
 
 const array::AmplitudeSteps& amplitudes = *array::find_board_type("autd3")->amplitudes();
 
-/// The least intensity with the amplitude of each step.
-const std::vector<std::uint8_t> intensities = [] {
-  std::vector<std::uint8_t> least;
-  for (int intensity = 0; intensity <= 255; ++intensity) {
-    const double width = std::round(512 / std::numbers::pi * std::asin(intensity / 255.0));
-    const auto level = static_cast<float>(std::sin(width * std::numbers::pi / 512));
-    if (amplitudes.below(level) == least.size()) least.push_back(static_cast<std::uint8_t>(intensity));
-  }
-  return least;
-}();
-
 }  // namespace
 
 Emission emission(array::TransducerDrive drive) {
   const double turns = drive.phase / (2 * std::numbers::pi);
   const int phase = static_cast<int>(std::floor(256 * (turns - std::floor(turns)) + 0.5)) % 256;
-  return {static_cast<std::uint8_t>(phase), intensities[amplitudes.below(drive.amplitude)]};
+  return {static_cast<std::uint8_t>(phase), amplitudes.code(amplitudes.below(drive.amplitude))};
 }
 
 void put_nop(Message message) {

@@ -35,8 +35,8 @@ inline constexpr std::array<std::uint8_t, 14> hello_request{0x10, 1,   0,   'A',
 inline constexpr std::uint8_t known_firmware = 0xa5;
 enum class Version : std::uint8_t { cpu_major = 1, cpu_minor, fpga_major, fpga_minor, fpga_functions, done };
 
-/// One transducer's output in the devices' units: delay in 1/256 turns, and an intensity of 0 to 255, which selects one
-/// of 256 pulse widths: round(256 asin(intensity / 255) 2 / pi).
+/// One transducer's output in the devices' units: delay in 1/256 turns, and an intensity of 0 to 255, which selects a
+/// pulse width (array/layouts/board_types.cpp).
 struct Emission {
   std::uint8_t phase, intensity;
   bool operator==(const Emission&) const = default;

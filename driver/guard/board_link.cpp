@@ -203,8 +203,8 @@ class BoardLink final : public session::Link {
 session::LinkKind board_link(const BoardKind& kind, const std::string& program) {
   return {kind.name,
           kind.help,
-          [name = kind.name, plays_plans = kind.plays_plans, program](const std::string& argument,
-                                                                      const session::LinkSetting& setting) {
+          [name = kind.name, plays_plans = kind.plays_plans, factors = kind.factors, program](
+              const std::string& argument, const session::LinkSetting& setting) {
             if (setting.slot_s > most_slot_s)
               throw bad_usage(
                   fmt::format("link {}: a board is silenced {} ms after its last drive, so a dwell of {} ms is too "
@@ -220,6 +220,7 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                                   .ramp_s = setting.ramp_s,
                                   .steps = setting.steps,
                                   .nulls = setting.nulls}};
+            if (factors) brief.board.layout.factors = factors(brief.board);
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans, setting.free_field);
           },

@@ -86,35 +86,6 @@ void add_up(const Nulls& nulls, std::size_t rows, FactorOf factor_of, NullScratc
   }
 }
 
-/// How loud a drive of one focus is if it is played in proportion.
-double loudness_in_proportion(const SplitRows& sums, const NullScratch& scratch) {
-  const double largest = largest_of(sums, 0);
-  return largest > 0 ? magnitude(product(scratch.sounds, 0, sums, 0)) / largest : 0;
-}
-
-/// Fewer rows, so that the drive of one focus, which is played in proportion, keeps its share of pressure: silence
-/// raises the amplitudes of a few transducers, and all others are then lowered. Never fewer than those of centres.
-std::size_t give_way(const Nulls& nulls, std::size_t rows, NullScratch& scratch) {
-  const double least = std::sqrt(null_keeps) * loudness_in_proportion(scratch.asked, scratch);
-  const std::size_t centres = nulls.rows_to(1);
-  add_up(
-      nulls, rows, [](std::size_t) { return Complex(1); }, scratch);
-  while (rows > centres && loudness_in_proportion(scratch.sums, scratch) < least) {
-    --rows;
-    add_conjugate(scratch.heard[rows], nulls.rows(), rows, scratch.sums, 0);
-  }
-  return rows;
-}
-
-/// The same for a drive that is played in proportion: with several foci, its loudest transducers are lowered. Returns
-/// the largest magnitude.
-template <typename FactorOf>
-double add_up_evenly(const Nulls& nulls, std::size_t rows, FactorOf factor_of, NullScratch& scratch) {
-  add_up(nulls, rows, factor_of, scratch);
-  if (scratch.sounds.rows == 1) return largest_of(scratch.sums, 0);
-  return lower_peaks(scratch.sounds, nulls.rows(), rows, scratch.sums, scratch.peaks);
-}
-
 void find_weights(const Columns& columns, std::span<const double> gains, std::span<FocusWeight> weights,
                   GsPatScratch& gs_pat_scratch, NullScratch& scratch) {
   const std::size_t foci = columns.foci;
@@ -142,17 +113,54 @@ double loudness_of_weakest(std::span<const Complex> sums, NullScratch& scratch) 
                     [&](std::size_t j) { return magnitude(product(scratch.sounds, j, scratch.sums, 0)); });
 }
 
-/// Brings the sums within the constraint, as loud as gs_pat would.
-void bound(Constraint constraint, std::span<Complex> sums) {
-  double scale = 1;
-  if (constraint == Constraint::clamp) {
-    double total = 0;
-    for (const Complex& sum : sums)
-      total += magnitude(sum);
-    scale = total > 0 ? gs_pat_fill * static_cast<double>(sums.size()) / total : 1;
+/// Replaces `sums` by what is asked for one focus without nulls, as the constraint has it. Returns its pressure.
+double loudness_alone(Constraint constraint, std::span<Complex> sums, NullScratch& scratch) {
+  double largest = 1;
+  for (std::size_t n = 0; n < sums.size(); ++n)
+    sums[n] = bounded(scratch.asked.at(0, n), constraint);
+  if (constraint == Constraint::normalise) largest = largest_of(scratch.asked, 0);
+  return largest > 0 ? loudness_of_weakest(sums, scratch) / largest : 0;
+}
+
+/// What makes a drive of some rows, and how loud one focus is without nulls.
+struct Making {
+  const Nulls& nulls;
+  std::span<const double> gains;
+  Constraint constraint;
+  std::span<const FocusWeight> weights;
+  double alone;
+};
+
+/// Replaces scratch.sums by a drive that is played in proportion. Returns its largest magnitude.
+template <typename FactorOf>
+double add_up_evenly(const Making& making, std::size_t rows, FactorOf factor_of, NullScratch& scratch) {
+  add_up(making.nulls, rows, factor_of, scratch);
+  if (making.gains.size() == 1) {
+    const double largest = largest_of(scratch.sums, 0);
+    if (magnitude(product(scratch.sounds, 0, scratch.sums, 0)) >= null_one_lowers * making.alone * largest)
+      return largest;
   }
-  for (Complex& sum : sums)
-    sum = bounded(sum * scale, constraint);
+  return lower_peaks(scratch.sounds, making.nulls.rows(), rows, scratch.sums, scratch.peaks);
+}
+
+/// Replaces `sums`. Returns as sum_with_nulls.
+double make_drive(const Making& making, std::size_t rows, std::span<Complex> sums, NullScratch& scratch) {
+  const auto plain = [&](std::size_t j) { return making.weights[j].plain; };
+  const auto heard = [&](std::size_t j) { return making.weights[j].heard; };
+  if (making.constraint == Constraint::normalise) {
+    const bool differ = std::ranges::any_of(making.gains, [](double gain) { return gain != 1; });
+    const double largest = differ ? add_up_evenly(making, rows, plain, scratch) : 0;
+    const double own = add_up_evenly(making, rows, heard, scratch);
+    for (std::size_t n = 0; n < sums.size(); ++n)
+      sums[n] = scratch.sums.at(0, n);
+    return std::max(largest, own);
+  }
+  add_up(making.nulls, rows, heard, scratch);
+  for (std::size_t n = 0; n < sums.size(); ++n)
+    sums[n] = bounded(scratch.sums.at(0, n), Constraint::uniform);
+  silent_phases({scratch.sounds, scratch.targets, making.nulls.rows(), rows, making.nulls.loudness()}, sums,
+                scratch.silent);
+  return 1;
 }
 
 }  // namespace
@@ -174,7 +182,6 @@ void reserve(NullScratch& scratch, const Nulls& nulls, std::size_t most_foci) {
   scratch.own.re.reserve(1);
   scratch.own.im.reserve(1);
   scratch.targets.reserve(foci);
-  scratch.other.reserve(stride);
   SilentScratch& silent = scratch.silent;
   for (PhasedSounds* sounds : {&silent.now, &silent.tried, &silent.kept}) {
     const std::size_t most = sounds == &silent.kept ? std::min(all, silent_raised_rows) : all;
@@ -205,44 +212,21 @@ double sum_with_nulls(const Nulls& nulls, const Columns& columns, const FocusMat
   assert(sums.size() == columns.transducers && gains.size() == columns.foci && weights.size() == columns.foci);
   split_sounds(columns, scratch.sounds);
   split_asked(columns, scratch.asked);
-  // With one focus, `clamp` is as `uniform`: of all drives with silent rows, the loudest has full amplitudes.
-  const Constraint within = constraint == Constraint::clamp && columns.foci == 1 ? Constraint::uniform : constraint;
-  const bool asks_own = within == Constraint::uniform && columns.foci == 1;
+  const bool one = columns.foci == 1;
+  // The loudest drives that are silent at the nulls have full amplitudes.
+  const Constraint within = constraint == Constraint::clamp ? Constraint::uniform : constraint;
+  const bool asks_own = one && within == Constraint::uniform;
   if (asks_own) ask_own_sound(scratch);
   std::size_t rows = choose_rows(nulls, asks_own ? scratch.own : matrix, within, scratch);
-  if (constraint == Constraint::normalise && columns.foci == 1) rows = give_way(nulls, rows, scratch);
   find_weights(columns, gains, weights, gs_pat_scratch, scratch);
-  const auto plain = [&](std::size_t j) { return weights[j].plain; };
-  const auto heard = [&](std::size_t j) { return weights[j].heard; };
-  double largest = 1;
-  if (constraint == Constraint::normalise) {
-    const bool differ = std::ranges::any_of(gains, [](double gain) { return gain != 1; });
-    largest = differ ? add_up_evenly(nulls, rows, plain, scratch) : 0;
-    largest = std::max(largest, add_up_evenly(nulls, rows, heard, scratch));
-  } else {
-    add_up(nulls, rows, heard, scratch);
-  }
-  for (std::size_t n = 0; n < sums.size(); ++n)
-    sums[n] = scratch.sums.at(0, n);
-  double weakest = 0;
-  if (constraint == Constraint::normalise) {
+  const Making making{nulls, gains, within, weights, one ? loudness_alone(within, sums, scratch) : 0};
+  const std::size_t centres = nulls.rows_to(1);
+  double largest = make_drive(making, rows, sums, scratch);
+  double weakest = loudness_of_weakest(sums, scratch);
+  while (one && rows > centres && weakest < null_one_keeps * making.alone * largest) {
+    rows = std::max(centres, rows * 7 / 8);
+    largest = make_drive(making, rows, sums, scratch);
     weakest = loudness_of_weakest(sums, scratch);
-  } else {
-    const SilentGoal goal{scratch.sounds, scratch.targets, nulls.rows(), rows, nulls.loudness()};
-    scratch.other.assign(sums.begin(), sums.end());
-    bound(within, sums);
-    const double before = loudness_of_weakest(sums, scratch);
-    const Silenced silenced = silent_phases(goal, sums, scratch.silent);
-    weakest = loudness_of_weakest(sums, scratch);
-    if (within == Constraint::clamp && weakest < null_clamp_keeps * before) {
-      bound(Constraint::uniform, scratch.other);
-      const double depth = silent_phases(goal, scratch.other, scratch.silent).depth;
-      const double loud = loudness_of_weakest(scratch.other, scratch);
-      if (loud > weakest && depth <= std::max(silent_depth, silenced.depth)) {
-        std::ranges::copy(scratch.other, sums.begin());
-        weakest = loud;
-      }
-    }
   }
   choose_common_phase(nulls.centres(), weakest, sums, scratch.rounding);
   return largest;

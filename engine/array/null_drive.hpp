@@ -5,20 +5,18 @@
 //   c       the factors that gs_pat finds for R'; the sums of the transducers are B' c
 //
 // Under `normalise` that is the drive; with several foci, lower_peaks.hpp then lowers its loudest transducers. Under
-// `uniform` and `clamp` the constraint changes the sums, and silent_phases.hpp silences the nulls again. At last,
-// common_phase.hpp turns the whole drive to where boards round it best.
+// `uniform` and `clamp` the sums get full amplitudes, and silent_phases.hpp silences the nulls again: of all drives
+// with amplitudes up to 1 that are silent at the nulls, the loudest have full amplitudes, so `clamp` has nothing to
+// limit. At last, common_phase.hpp turns the whole drive to where boards round it best.
 //
-// Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` null_uniform_rest, and larger, up
-// to null_loosest_rest, while some focus would keep less than null_keeps of its power, R'_jj < null_keeps R_jj (under
-// `uniform` null_keeps_uniform). If one then still keeps less than null_keeps, further rows are left out one by one,
-// but never centres.
+// Balls: the rows of Q down to a rest. The rest is null_deepest_rest, under `uniform` and `clamp` null_uniform_rest,
+// and larger, up to null_loosest_rest, while some focus would keep less than null_keeps of its power, R'_jj <
+// null_keeps R_jj (under `uniform` and `clamp` null_keeps_uniform). If one then still keeps less than null_keeps,
+// further rows are left out one by one, but never centres.
 //
-// Under `normalise`, one focus also keeps null_keeps of the power that it has without nulls: the last rows are left
-// out, but never centres.
-//
-// Under `clamp` with several foci, silencing may cost half of the loudness, because the drive is far from even
-// amplitudes. If the weakest focus keeps less than null_clamp_keeps of its pressure, the same phases at full amplitude
-// are silenced, too, and the louder drive is taken. With one focus, the drive is that of `uniform`.
+// One focus under `normalise`: if it keeps less than null_one_lowers of the pressure that it has without nulls,
+// lower_peaks.hpp lowers its loudest transducers, too. One focus under any constraint: while it keeps less than
+// null_one_keeps of that pressure, the last eighth of the rows is left out, but never centres.
 #pragma once
 
 #include <complex>
@@ -37,8 +35,8 @@
 namespace palpa::array {
 
 inline constexpr double null_uniform_rest = 3e-3;
-inline constexpr double null_keeps = 0.25, null_keeps_uniform = 0.5;
-inline constexpr double null_clamp_keeps = 0.75;
+inline constexpr double null_keeps = 0.25, null_keeps_uniform = 0.5;    // of power
+inline constexpr double null_one_lowers = 0.89, null_one_keeps = 0.75;  // of pressure
 
 /// Keeps its storage from call to call.
 struct NullScratch {
@@ -47,7 +45,6 @@ struct NullScratch {
   FocusMatrix matrix, own;                          ///< R', and R of a focus that asks for its own sound
   std::vector<double> targets;
   SplitRows sums;
-  std::vector<std::complex<double>> other;  ///< another drive, from an even start
   SilentScratch silent;
   RoundingScratch rounding;
   PeakScratch peaks;

@@ -3,47 +3,36 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace palpa::array {
 namespace {
 
 constexpr double rounding = 1e-6;  // of amplitudes, which are floats
 
-void round_to(const AmplitudeSteps& steps, std::span<TransducerDrive> drive, float ceiling, Round how) {
-  const std::size_t most = steps.below(ceiling);
-  for (TransducerDrive& one : drive) {
-    const std::size_t step =
-        how == Round::down ? std::min(steps.below(one.amplitude), most) : steps.nearest(one.amplitude, most);
-    one.amplitude = steps.level(step);
-  }
-}
-
-/// With Round::down, the transducers that are on have less in sum than the drive asks for, because each is at full
-/// amplitude, and those that are on may be nearer to a focus than the others.
-void turn_on(const BoardType& type, std::span<TransducerDrive> drive, float ceiling, Round how) {
-  constexpr double nearer = 0.95;
-  double sum = 0;
+float loudest_of(std::span<const TransducerDrive> drive) {
+  float loudest = 0;
   for (const TransducerDrive& one : drive)
-    sum += std::clamp<double>(one.amplitude, 0, ceiling);
-  const double all = static_cast<double>(drive.size()) * std::clamp<double>(ceiling, 0, 1);
-  const double most = how == Round::down ? std::min(all, nearer * sum) : all;
-  const auto on = static_cast<std::uint32_t>(std::floor(most * (1 + rounding)));
-  for (std::uint32_t t = 0; t < drive.size(); ++t)
-    drive[t].amplitude = drive[t].amplitude > 0 && type.turn(t) < on ? 1.0f : 0.0f;
+    loudest = std::max(loudest, one.amplitude);
+  return loudest;
 }
 
 }  // namespace
 
-BoardPlay::BoardPlay(const Layout& layout) {
+BoardPlay::BoardPlay(const Layout& layout) : factors_(layout.factors) {
+  assert(factors_.empty() || factors_.size() == layout.transducers.size());
   for (const Board& board : layout.boards) {
     const BoardType* const type = find_board_type(board.type);
     if (type == nullptr) continue;
     const AmplitudeSteps* const steps = type->has_amplitudes() ? type->amplitudes() : nullptr;
     parts_.push_back({board.first, board.count, type, steps});
-    if (const double least = steps ? steps->least() : 1.0 / board.count; finest_ == nullptr || least < least_) {
-      least_ = least;
-      finest_ = type;
-    }
+    float factor = 1;
+    if (!factors_.empty()) factor = std::ranges::max(std::span(factors_).subspan(board.first, board.count));
+    double least = steps ? steps->least() : 1.0 / board.count;
+    least = factor > 0 ? least / factor : std::numeric_limits<double>::infinity();
+    if (finest_ != nullptr && least >= least_) continue;
+    least_ = least;
+    finest_ = type;
   }
 }
 
@@ -56,17 +45,47 @@ bool BoardPlay::sounds_at(double loudest) const {
   return loudest * (1 + rounding) >= least_;
 }
 
-void BoardPlay::round(std::span<TransducerDrive> drive, double ceiling, Round how) const {
+template <typename Amplitude, typename Set>
+void BoardPlay::play_part(const Part& part, float loudest, float most, const Amplitude& amplitude,
+                          const Set& set) const {
+  const std::uint32_t end = part.first + part.count;
+  if (part.steps == nullptr) {
+    const double share = std::clamp<double>(std::min(loudest, most), 0, 1);
+    const auto on = static_cast<std::uint32_t>(std::floor(share * part.count * (1 + rounding)));
+    for (std::uint32_t t = part.first; t < end; ++t)
+      set(t, amplitude(t) > 0 && part.type->turn(t - part.first) < on ? 1.0f : 0.0f);
+  } else if (factors_.empty()) {
+    const std::size_t highest = part.steps->below(most);
+    for (std::uint32_t t = part.first; t < end; ++t)
+      set(t, part.steps->level(part.steps->nearest(amplitude(t), highest)));
+  } else {
+    for (std::uint32_t t = part.first; t < end; ++t) {
+      const std::size_t highest = part.steps->below(most * factors_[t]);
+      set(t, part.steps->level(part.steps->nearest(amplitude(t) * factors_[t], highest)));
+    }
+  }
+}
+
+void BoardPlay::round(std::span<TransducerDrive> drive, double ceiling) const {
   if (parts_.empty()) return;
-  float loudest = 0;
-  for (const TransducerDrive& one : drive)
-    loudest = std::max(loudest, one.amplitude);
-  const float most = std::min(loudest, static_cast<float>(ceiling));
+  const float loudest = loudest_of(drive), most = std::min(loudest, static_cast<float>(ceiling));
   for (const Part& part : parts_) {
     assert(part.first + part.count <= drive.size());
-    const std::span<TransducerDrive> own = drive.subspan(part.first, part.count);
-    part.steps ? round_to(*part.steps, own, most, how) : turn_on(*part.type, own, most, how);
+    play_part(
+        part, loudest, most, [&](std::uint32_t t) { return drive[t].amplitude; },
+        [&](std::uint32_t t, float amplitude) { drive[t].amplitude = amplitude; });
   }
+}
+
+void BoardPlay::play(std::span<const TransducerDrive> drive, float factor, double ceiling,
+                     std::span<float> amplitudes) const {
+  const auto most = static_cast<float>(ceiling);
+  const auto asked = [&](std::uint32_t t) { return drive[t].amplitude * factor; };
+  for (std::uint32_t t = 0; t < drive.size(); ++t)
+    amplitudes[t] = std::min(asked(t), most);
+  const float loudest = loudest_of(drive) * factor;
+  for (const Part& part : parts_)
+    play_part(part, loudest, most, asked, [&](std::uint32_t t, float amplitude) { amplitudes[t] = amplitude; });
 }
 
 }  // namespace palpa::array

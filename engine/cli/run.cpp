@@ -42,7 +42,7 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_file("-", session::to_json(stats));
   } else if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", setup::summary(stats, o.record));
+    write_file("-", setup::summary(stats, o.record, o.safety.ceiling));
   }
 }
 

@@ -104,7 +104,7 @@ double played_part(const array::Layout& layout, double ceiling) {
   const double full_pa = std::abs(acoustics::pressure_at(layout, drive, focus.position));
   for (array::TransducerDrive& transducer : drive)
     transducer.amplitude *= static_cast<float>(ceiling);
-  array::BoardPlay(layout).round(drive, ceiling, array::Round::nearest);
+  array::BoardPlay(layout).round(drive, ceiling);
   return std::abs(acoustics::pressure_at(layout, drive, focus.position)) / full_pa;
 }
 

@@ -28,6 +28,7 @@ void set_asset_folder(const std::string& folder) {
 
 std::string find_asset(const std::string& name) {
   std::error_code ignored;
+  if (name.empty()) throw bad_usage("the name of a file in palpa's assets folder is missing, such as cube.glb");
   const fs::path normal = fs::path(name).lexically_normal();
   if (normal.is_absolute() || normal.empty() || *normal.begin() == "..")
     throw bad_input(name, "leads out of palpa's assets folder");

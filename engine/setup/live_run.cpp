@@ -18,7 +18,6 @@
 #include "session/threads.hpp"
 #include "setup/load.hpp"
 #include "setup/null_watch.hpp"
-#include "setup/nulls.hpp"
 #include "setup/tracker.hpp"
 
 namespace palpa::setup {
@@ -53,28 +52,6 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
   if (!options.every_frame) session::go_first();  // before the device starts its threads
   return prepare(options, sources, !options.every_frame, FingerMesh::known);
 }
-
-/// Looks at the nulls of each plan, and passes everything on.
-class WatchedNulls final : public session::RunObserver {
- public:
-  WatchedNulls(const session::SessionSetting& setting, session::RunObserver& next, bool every_frame)
-      : next_(next), watch_(setting.layout, setting.drive, every_frame) {}
-  void arrived(std::uint64_t sequence) override { next_.arrived(sequence); }
-  void started(const session::SkinFrame& frame) override { next_.started(frame); }
-  void planned(const session::FrameReport& report, const session::Plan& plan) override {
-    watch_.planned(plan);
-    next_.planned(report, plan);
-  }
-  void expired() override { next_.expired(); }
-  void sent(bool sounds, const session::HandOver& counts) override { next_.sent(sounds, counts); }
-  void recording_rest(std::uint64_t frames) override { next_.recording_rest(frames); }
-  void moved(std::uint32_t solid, const Transform& T_world_rest) override { next_.moved(solid, T_world_rest); }
-  void events(std::span<const session::Event> events) override { next_.events(events); }
-
- private:
-  session::RunObserver& next_;
-  NullWatch watch_;
-};
 
 }  // namespace
 
@@ -171,14 +148,7 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
       osc_(open_osc(options_)),
       scene_state_(options_.reload ? look_at_scene(options_.scene) : SceneState{}),
       prepared_(prepare_live(options_, sources)) {
-  if (const session::SessionSetting& setting = session().setting(); setting.drive.nulls) {
-    double gain = 1;  // of the solid with the least
-    for (const session::SolidHaptics& solid : session().scheduler().solids())
-      gain = std::min(gain, solid.voice.gain);
-    const std::string doubt =
-        coarse_boards_line(options_.link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
-    if (!doubt.empty()) log::warning(doubt);
-  }
+  warn_of_boards(options_.link, session());
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {
     sink_ = session::open_event_sink(options_.events, session().solid_names(), stop_, options_.every_frame);
@@ -241,11 +211,10 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
                                 const std::function<void(const sensing::FrameSet&)>& record,
                                 std::function<void(session::Session&)> before_frame) {
   before_frame_ = std::move(before_frame);
-  std::optional<WatchedNulls> watched;
-  if (session().setting().drive.nulls) watched.emplace(session().setting(), observer, options_.every_frame);
+  WatchedNulls watched(session().setting(), observer, options_.every_frame);
   session::RunOptions options{.frames = options_.frames,
                               .every_frame = options_.every_frame,
-                              .observer = watched ? &*watched : &observer,
+                              .observer = &watched,
                               .events = sink_.get(),
                               .changes = osc_ || options_.reload || before_frame_ ? this : nullptr,
                               .record = record,
@@ -284,7 +253,7 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   return stats;
 }
 
-std::string summary(const session::LoopStats& stats, const std::string& recording) {
+std::string summary(const session::LoopStats& stats, const std::string& recording, double ceiling) {
   std::string text;
   if (!recording.empty() && stats.unrecorded == 0) {
     text = stats.captured == 1 ? fmt::format("{}: the frame is recorded\n", recording)
@@ -316,6 +285,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
     text += fmt::format("to the ear, {:g} m beside the beam, the last touch had {} (predicted, 10 dB either way)\n",
                         acoustics::EarOptions().distance_m, acoustics::to_text(*stats.ear));
   }
+  if (ceiling == 0) text += "the ceiling is 0: nothing sounds\n";
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
          session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);
 }

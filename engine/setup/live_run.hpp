@@ -109,8 +109,9 @@ class LiveRun final : session::RunChanges {
 void tell_backend(const ComputeOptions& options, session::LoopStats& stats);
 
 /// The measurements of a run as text, one per line, including every finger's pressure. If the run was recorded, the
-/// first line says how many frames are in the `recording`, and how many are missing.
-std::string summary(const session::LoopStats& stats, const std::string& recording = {});
+/// first line says how many frames are in the `recording`, and how many are missing. A ceiling of 0 has a line of its
+/// own, because it is a request for silence, of which nothing warns.
+std::string summary(const session::LoopStats& stats, const std::string& recording = {}, double ceiling = 1);
 
 /// palpa's own links and the given ones, which replace those of the same name.
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links);

@@ -78,4 +78,25 @@ void NullWatch::planned(const session::Plan& plan) {
   }
 }
 
+WatchedNulls::WatchedNulls(const session::SessionSetting& setting, session::RunObserver& next, bool at_once)
+    : next_(next) {
+  if (setting.drive.nulls) watch_.emplace(setting.layout, setting.drive, at_once);
+}
+
+void WatchedNulls::planned(const session::FrameReport& report, const session::Plan& plan) {
+  if (watch_) watch_->planned(plan);
+  next_.planned(report, plan);
+}
+
+void warn_of_boards(const std::string& link, const session::Session& session) {
+  const session::SessionSetting& setting = session.setting();
+  if (!setting.drive.nulls) return;
+  double gain = 1;  // of the solid with the least
+  for (const session::SolidHaptics& solid : session.scheduler().solids())
+    gain = std::min(gain, solid.voice.gain);
+  const std::string doubt =
+      coarse_boards_line(link, setting.layout, setting.drive.constraint, setting.safety.ceiling * gain);
+  if (!doubt.empty()) log::warning(doubt);
+}
+
 }  // namespace palpa::setup

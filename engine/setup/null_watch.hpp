@@ -1,7 +1,8 @@
-// Looks at the nulls of a run, whose foci are known only while it runs: `palpa run` warns as `palpa drive` does.
+// Looks at the nulls of a session, whose foci are known only while it runs: it warns as `palpa drive` does.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,7 +10,9 @@
 #include "array/drive_options.hpp"
 #include "array/layouts/layout.hpp"
 #include "session/answer_thread.hpp"
+#include "session/loop/run_observer.hpp"
 #include "session/plan/plan.hpp"
+#include "session/session.hpp"
 
 namespace palpa::setup {
 
@@ -52,5 +55,28 @@ class NullWatch {
   std::vector<Vec3> places_, seen_;  ///< of foci, in the order of slots: of this plan, and when it looked last
   std::unique_ptr<session::AnswerThread<SlotFoci, Answer>> thread_;
 };
+
+/// Looks at the nulls of each plan, if the session has some, and passes everything on.
+class WatchedNulls final : public session::RunObserver {
+ public:
+  /// Both must outlive it. `at_once` as NullWatch.
+  WatchedNulls(const session::SessionSetting& setting, session::RunObserver& next, bool at_once);
+  void arrived(std::uint64_t sequence) override { next_.arrived(sequence); }
+  void started(const session::SkinFrame& frame) override { next_.started(frame); }
+  void planned(const session::FrameReport& report, const session::Plan& plan) override;
+  void expired() override { next_.expired(); }
+  void sent(bool sounds, const session::HandOver& counts) override { next_.sent(sounds, counts); }
+  void recording_rest(std::uint64_t frames) override { next_.recording_rest(frames); }
+  void moved(std::uint32_t solid, const Transform& T_world_rest) override { next_.moved(solid, T_world_rest); }
+  void events(std::span<const session::Event> events) override { next_.events(events); }
+
+ private:
+  session::RunObserver& next_;
+  std::optional<NullWatch> watch_;
+};
+
+/// Warns of nulls that the boards of the link spoil, at the session's ceiling and the least gain of its solids
+/// (coarse_boards_line).
+void warn_of_boards(const std::string& link, const session::Session& session);
 
 }  // namespace palpa::setup

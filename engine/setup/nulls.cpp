@@ -198,15 +198,15 @@ std::string coarse_boards_line(const std::string& link, const array::Layout& lay
   const array::BoardType* const type = array::find_board_type(session::parse_spec(link).name);
   if (type == nullptr || std::ranges::find(layout.boards, type->name, &array::Board::type) == layout.boards.end())
     return {};
-  const bool uniform = constraint == array::Constraint::uniform;
-  if (!type->has_amplitudes() && (!uniform || gain < 1)) {
+  const bool even = constraint != array::Constraint::normalise;  // `clamp`, too (array/null_drive.hpp)
+  if (!type->has_amplitudes() && (!even || gain < 1)) {
     return fmt::format(
         "--null: the boards of --link {} have no amplitudes, and a ceiling or an intensity below 1 turns transducers "
         "off: nulls are only 10 to 30 dB below the foci; at full amplitude with --constraint uniform, they are about "
         "50 dB below",
         type->name);
   }
-  if (!uniform && gain < type->few_amplitudes) {
+  if (!even && gain < type->few_amplitudes) {
     return fmt::format(
         "--null: below {:g} of the full amplitude, the boards of --link {} have few amplitudes: nulls are only 20 to "
         "40 dB below the foci; with --constraint uniform, they are about 50 dB below",

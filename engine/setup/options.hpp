@@ -161,7 +161,7 @@ struct FocusingOptions {
 /// --transfer.
 enum class FingerMesh { unknown, known };
 void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh = FingerMesh::unknown);
-/// Of these, only how sound gets from the transducers to a point: for drives that are given.
+/// Adds those of them that say how sound travels from transducers to points.
 void add_propagation_options(CLI::App& app, FocusingOptions& options);
 /// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and with nulls, and
 /// naive otherwise. Throws bad_usage if a pressure is requested with a constraint, with greedy or with nulls, and for

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -57,12 +58,21 @@ bool may_ask_pressure(const std::string& model) {
 
 }  // namespace
 
-LeastSound least_sound(const geometry::Scene& scene) {
+LeastSound least_sound(const geometry::Scene& scene, double deep_m) {
   LeastSound least;
   for (const geometry::SceneMesh& mesh : scene.meshes) {
-    least.intensity = std::min(least.intensity, mesh.haptics.intensity.value_or(1));
-    if (const std::optional<double>& asked = mesh.haptics.pressure_pa)
-      least.pressure_pa = std::min(*asked, least.pressure_pa.value_or(*asked));
+    const geometry::Haptics& haptics = mesh.haptics;
+    double gain = haptics.intensity.value_or(1);
+    if (haptics.stiffness) {
+      double force =
+          std::max(geometry::force_at(*haptics.stiffness, 0), geometry::force_at(*haptics.stiffness, deep_m));
+      for (const geometry::DepthForce& row : *haptics.stiffness)
+        force = row.depth_m <= deep_m ? std::max(force, row.force) : force;
+      gain *= std::sqrt(force);
+    }
+    if (gain < least.intensity) least.is_spring = haptics.stiffness.has_value();
+    least.intensity = std::min(least.intensity, gain);
+    if (haptics.pressure_pa) least.pressure_pa = std::min(*haptics.pressure_pa, least.pressure_pa.value_or(1e9));
   }
   return least;
 }
@@ -73,8 +83,9 @@ std::vector<Box> try_files(study::StudyPlan& plan) {
     const Activity work("reading " + shape.model);
     const geometry::Scene scene = geometry::load_gltf(shape.model);
     (void)solids_of(scene);
-    const LeastSound least = least_sound(scene);
+    const LeastSound least = least_sound(scene, plan.run.deep_m);
     shape.intensity = least.intensity;
+    shape.is_spring = least.is_spring;
     shape.pressure_pa = least.pressure_pa;
     boxes.push_back(geometry::box_of(scene));
   }

@@ -18,10 +18,12 @@ study::StudyPlan load_plan(const std::string& file);
 
 /// The least of what the scene's objects ask for.
 struct LeastSound {
-  double intensity = 1;
+  double intensity = 1;                 ///< of a spring, times the root of its largest force
+  bool is_spring = false;               ///< the object with that intensity
   std::optional<double> pressure_pa{};  ///< empty: no object requests a pressure
 };
-LeastSound least_sound(const geometry::Scene& scene);
+/// Depths are those from 0 to `deep_m`.
+LeastSound least_sound(const geometry::Scene& scene, double deep_m);
 
 /// Reads the models and the masking sound of a plan, as a sitting will. Fills the shapes' intensities. Returns the box
 /// around each shape's model (geometry::box_of). Throws bad_input for a model that is no scene with a solid, and for a

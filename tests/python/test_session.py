@@ -1,5 +1,6 @@
 """Sessions, frame by frame and live."""
 import gc
+import re
 import subprocess
 import sys
 import threading
@@ -250,6 +251,24 @@ def test_a_far_aim_is_warned_of(cube):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             session.set_aim([0, 0.05, 0])
+
+
+def test_nulls_near_a_focus_are_warned_of(cube, finger):
+    skin = pressed(finger, 2e-3)
+    focus = palpa.Session(cube, layout="openmpd", backend="cpu").touch(skin, 0).fingers[0].foci[0]
+    once = "--null: .*; this warning comes once"
+    alone = palpa.Session(cube, layout="openmpd", nulls=focus, backend="cpu")
+    with pytest.warns(palpa.PalpaWarning, match=once):
+        alone.touch(skin, 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        alone.touch(skin, 1 / 90)
+    pushed = palpa.Session(cube, source="points", layout="openmpd", nulls=focus, backend="cpu", hold=10)
+    with warnings.catch_warnings(record=True) as heard, pushed:
+        warnings.simplefilter("always")
+        pushed.start()
+        pushed.push_points(skin, 0)
+        begins(lambda: pushed.set_gain(1) or any(re.match(once, str(one.message)) for one in heard))
 
 
 def test_a_pose_holds_from_the_first_frame_on(cube, finger):

@@ -27,6 +27,7 @@ TEST(Assets, AreInTheirFolder) {
   for (const std::string& name : {elsewhere, std::string("/etc/hostname"), std::string("../README.md"),
                                   std::string("rigs/../../README.md"), std::string("..")})
     EXPECT_REFUSED(find_asset(name), name + ": leads out of palpa's assets folder");
+  EXPECT_ERROR(find_asset(""), Exit::usage, "the name of a file in palpa's assets folder is missing, such as cube.glb");
 }
 
 TEST(PatternFile, PointsAreInTheFilesOrderRelativeToTheLoudest) {

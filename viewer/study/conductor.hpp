@@ -24,6 +24,9 @@
 
 namespace palpa::viewer {
 
+/// The entry with which a program begins, or continues, a sitting.
+study::Entry start_entry(const setup::StudyRunOptions& run, const std::string& masking);
+
 class Conductor {
  public:
   using Clock = std::chrono::steady_clock;

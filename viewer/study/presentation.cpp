@@ -15,6 +15,7 @@
 #include "session/links/safe_link.hpp"
 #include "setup/interrupt.hpp"
 #include "setup/load.hpp"
+#include "study/sitting/ear_level.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -106,6 +107,7 @@ void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& 
                                             .steps = false,
                                             .board_files = run.board_files});
       session::SafeLink(*link, layout.transducers.size()).finish();
+      if (const array::Layout* const boards = link->boards()) study::refuse_silent(plan, boards);
     } catch (const Error& error) {
       const std::string keys = keys_of_options(error.what());
       if (keys.empty()) throw;

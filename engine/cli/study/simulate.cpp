@@ -79,6 +79,7 @@ void run_study_simulate(const StudySimulateCommand& o) {
   observer::Comparison comparison = observer::compare(prediction, tables);
   comparison.left_out.insert(comparison.left_out.begin(), left_out.begin(), left_out.end());
   warn_of(comparison.left_out);
+  comparison.left_out = lines_in_reports(std::move(comparison.left_out), o.beside);
   if (!o.prediction.empty()) write_file(o.prediction, document);
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return prediction_text(prediction, comparison, hash); },

@@ -68,8 +68,9 @@ class Link {
   /// listed.
   virtual bool plays_plans() const { return false; }
 
-  /// The layout whose boards play the drives. SafeLink then rounds amplitudes to those that the boards have
-  /// (array/played.hpp). Null: drives are passed on as they are. Must not change.
+  /// The layout whose boards play the drives, with the factors of their transducers. SafeLink then rounds amplitudes to
+  /// those that the boards have (array/played.hpp): drives and plans have what the wire is to carry. Null: drives are
+  /// passed on as they are. Must not change.
   virtual const array::Layout* boards() const { return nullptr; }
 
   /// Called after the last drive; flushes buffered data. Errors here are also reported.

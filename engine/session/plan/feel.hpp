@@ -53,7 +53,7 @@ struct Following {
   /// Fingers have the ids of that frame. False: the frame stands alone, without motion and clicks.
   bool follows = false;
   std::optional<std::uint64_t> first_slot{};  ///< that plays the frame, if it is known
-  std::uint32_t hands = 1;                    ///< see Touches::update
+  std::optional<std::uint32_t> hands = 1;     ///< see Touches::update
 };
 
 /// How often gains can change.

@@ -48,8 +48,6 @@ EarDrives ear_drives(const Plan& plan, const SessionSetting& setting, bool steps
   const bool repeats = plan.cycle.is_listed() && !plan.course.changes();
   const std::size_t slots = slots_of(repeats ? plan.cycle.length : 0, plan.cycle.modulation_hz, out.slot_s, most);
   const OutputSetting output{.layout = layout, .drive = setting.drive, .slot_s = out.slot_s, .safety = setting.safety};
-  const std::span voices = std::span(plan.schedule.voices).first(plan.schedule.voice_count);
-  const bool asks = std::ranges::any_of(voices, [](const array::Voice& voice) { return voice.pressure_pa > 0; });
   const double ceiling = ceiling_of(setting.safety);
   std::optional<array::BoardPlay> boards;
   if (!layout.boards.empty()) boards.emplace(layout);
@@ -61,7 +59,7 @@ EarDrives ear_drives(const Plan& plan, const SessionSetting& setting, bool steps
     one.assign(drive.begin(), drive.end());
     for (array::TransducerDrive& transducer : one)
       transducer.amplitude *= static_cast<float>(ceiling);
-    if (boards) boards->round(one, ceiling, asks ? array::Round::down : array::Round::nearest);
+    if (boards) boards->round(one, ceiling);
     out.drives.insert(out.drives.end(), one.begin(), one.end());
   }
   return out;

@@ -45,7 +45,11 @@ void PressureLog::planned(const array::Schedule& schedule, const array::Schedule
   }
   if (warned_) return;
   std::optional<std::string> fault = unreached(schedule, solid_names_);
-  if (!fault && played) fault = unreached(*played, solid_names_, "its boards have no amplitude nearer to it");
+  if (played) {
+    fault = fault
+                ? unreached(*played, solid_names_)
+                : unreached(*played, solid_names_, "with the steps of its boards' amplitudes, more would be too much");
+  }
   warned_ = fault.has_value();
   if (fault) log::warning(*fault + "; this warning comes once, and the stats have every finger");
 }

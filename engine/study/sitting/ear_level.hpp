@@ -63,7 +63,8 @@ inline constexpr double impossible_reading_db = 20;
 EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr);
 
 /// Throws bad_usage if the boards of a method's layout would be silent at the plan's ceiling, at the ceiling of its
-/// reading, or for a model of lower intensity. `placed` as above.
+/// reading, for a model of lower intensity, or for a pressure that a model requests. `placed` as above; the factors of
+/// its transducers count.
 void refuse_silent(const StudyPlan& plan, const array::Layout* placed = nullptr);
 
 /// A line about a reading that is below the prediction by more than reflections_db; empty otherwise.

@@ -72,7 +72,7 @@ acoustics::EarLevel level_of(const PlanMethod& method, const StudyPlan& plan, st
     array::Drive drive = array::drive_for(layout, foci, options);
     for (array::TransducerDrive& one : drive)
       one.amplitude *= static_cast<float>(plan.level.ceiling);
-    boards.round(drive, plan.level.ceiling, array::Round::nearest);
+    boards.round(drive, plan.level.ceiling);
     drives.insert(drives.end(), drive.begin(), drive.end());
   }
   return acoustics::ear_level(

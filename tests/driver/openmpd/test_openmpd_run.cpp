@@ -22,6 +22,7 @@ namespace palpa::test {
 namespace {
 
 using nlohmann::json;
+namespace openmpd = driver::openmpd;
 
 std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
   return with({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--hold", "500ms",
@@ -152,6 +153,40 @@ TEST(OpenMpdRun, FociThatStandStillHaveFineSlotsUnlessTheLineSaysOtherwise) {
   EXPECT_NEAR(slot_s({"--method", "single-focus", "--steps", "off"}), 1.5e-3, 0.3e-3);
   EXPECT_NEAR(slot_s({"--method", "single-focus", "--dwell", "1ms"}), 1e-3, 0.2e-3);
   emulation.end();
+}
+
+/// With factors of one half, a ceiling of 0.04 is silent, and a request is played all the same.
+TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
+  openmpd::Calibration half;
+  half.factors.fill(0.5f);
+  for (const bool requests : {false, true}) {
+    const auto trace = scratch_folder("openmpd-law-trace") / "wire.jsonl";
+    Emulation emulation("openmpd-law", "EMU1", {"--trace", trace.string()});
+    write_text(emulation.folder() / "board_1.pat", board_file_text("EMU1", half));
+    const RunOptions options{.environment = emulation.environment()};
+    const std::vector<std::string> how =
+        requests ? std::vector<std::string>{"--pressure", "300"} : std::vector<std::string>{"--ceiling", "0.04"};
+    const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")),
+                                     with({"--frames", "30", "--json", "-", "--method", "single-focus", "--steps",
+                                           "off", "--board-files", emulation.folder().string()},
+                                          how)),
+                                options);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    emulation.end();
+    const json stats = json::parse(result.out);
+    const std::uint64_t heard = heard_in(trace).sounding;
+    EXPECT_EQ(stats["hand_over"]["drives"]["completed"], heard);
+    if (requests) {
+      EXPECT_GT(heard, 0u);
+      EXPECT_LE(stats["fingers"][0]["pressure_pa"]["most"].get<double>(), 300.01);
+      EXPECT_GT(stats["fingers"][0]["pressure_pa"]["least"].get<double>(), 285);
+    } else {
+      EXPECT_EQ(heard, 0u);
+      EXPECT_EQ(stats["hand_over"]["drives"]["loop"], 0u);
+      EXPECT_CONTAINS(result.err, "the least that OpenMPD boards play with the factors of their files is 0.0491");
+      EXPECT_EQ(result.err.find("were lost"), std::string::npos) << result.err;
+    }
+  }
 }
 
 TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
