@@ -200,13 +200,13 @@ void OpenMpdBoard::choose_steps(const BoardSpec& spec, double frame_s) {
   steps_ = std::min({wanted, carried, Connection::most_frames});
   if (steps_ == 1) {
     note(notes_, &BoardNotes::warning, "phases jump from drive to drive, because {}; --steps off avoids this warning",
-         wanted == 1 ? FixedText<80>("a dwell of {} ms has no room for steps", 1e3 * spec.slot_s).view()
+         wanted == 1 ? FixedText<80>("a dwell of {:g} ms has no room for steps", 1e3 * spec.slot_s).view()
                      : std::string_view("the USB bus carries one frame for each drive"));
     return;
   }
   queue_ = std::min(frames, most_queued);
   if (steps_ == wanted) return;
-  note(notes_, &BoardNotes::warning, "phases change in the first {} ms of a dwell of {} ms, because {}",
+  note(notes_, &BoardNotes::warning, "phases change in the first {:g} ms of a dwell of {:g} ms, because {}",
        1e3 * frame_s * static_cast<double>(steps_), 1e3 * spec.slot_s,
        steps_ == carried ? "the USB bus carries no more steps" : "silence must not wait longer");
 }

@@ -42,8 +42,8 @@ acoustics::EarLevel level_of(const PlanMethod& method, const StudyPlan& plan, st
   const std::string type = layout.boards.empty() ? "" : layout.boards.front().type;
   const bool still = touch::stands_still(method.method);
   constexpr double longest_s = 0.1;
-  const double foci = still ? 1 : method.foci;
-  double slot_s = std::min(method.dwell_s, longest_s / foci);
+  const double parts = still ? 1 : method.foci;
+  double slot_s = std::min(method.dwell_s, longest_s / parts);
   if (still && type == "autd3") slot_s = std::min(slot_s, 0.25e-3);  // a modulation by its own clock
   array::Schedule schedule;
   schedule.slot_s = slot_s;
