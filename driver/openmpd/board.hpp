@@ -11,7 +11,7 @@
 // first board. With `lag=`, all but the first get that lag instead.
 //
 // With steps, a drive is several frames, in even steps from the drive before: phases by the shorter way round, and
-// amplitudes. They take the slot but for its last frame, and there are as many as the boards take and as chip and bus
+// amplitudes. They take the slot except for its last frame, and there are as many as the boards take and as chip and bus
 // can carry. A transducer that was off takes its new phase, and one that goes off keeps its old phase. The boards pace
 // the frames. Silence waits for those that a board still has, so their queue, with what is on its way, never holds more
 // than a slot, nor more than most_queued frames: a drive that comes late leaves out its first steps, and never its last
@@ -73,7 +73,7 @@ class OpenMpdBoard final : public Board {
  private:
   static constexpr double quiet_s = 0.5;  ///< after this time, an all-off frame is sent
 
-  /// Frames that a board holds at most, but for a silence: silence then waits 1.5 ms for them.
+  /// Frames that a board holds at most when silence comes, which then waits 1.5 ms for them.
   static constexpr std::size_t most_queued = Connection::most_frames + 1;
 
   /// How many frames a drive may consist of.

@@ -128,7 +128,7 @@ class LibusbDevice final : public Device {
       : bus_(std::move(bus)), handle_(handle), endpoint_(endpoint) {
     for (Pending& pending : pending_)
       pending.transfer = libusb_alloc_transfer(0);
-    // Of the context's descriptors, only the device's own are to be written to.
+    // The device's own descriptor is the one that libusb waits to write to.
     const libusb_pollfd** const all = libusb_get_pollfds(bus_->context());
     for (const libusb_pollfd** one = all; one != nullptr && *one != nullptr; ++one) {
       if (((*one)->events & POLLOUT) != 0) watched_ = {(*one)->fd, (*one)->events, 0};

@@ -165,7 +165,7 @@ std::string to_wav(const HeardSound& sound, double full_scale_db, double& peak) 
   constexpr std::uint32_t rate_hz = 48000;
   constexpr double highest_hz = 16000, seconds = 3;
   const double full_scale_pa = std::numbers::sqrt2 * hearing_pa * std::pow(10.0, full_scale_db / 20);
-  // So many samples repeat: a period is a whole number of 1/40000 s, for a carrier of 40 kHz.
+  // The number of samples that repeat. A period is a whole number of 1/40000 s if the carrier has 40 kHz.
   constexpr int most_periods = 5;
   double repeats = sound.period_s * rate_hz;
   for (int periods = 1; periods <= most_periods; ++periods) {

@@ -92,14 +92,28 @@ struct Session::State {
   }
 };
 
+/// Grows with how loud a schedule is to the ear: with the ways from focus to focus and with the powers.
+double noise_of(const array::Schedule& schedule) {
+  constexpr double still_m = 1e-3;  // a modulation also makes noise
+  double noise = 0;
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const array::Voice& voice = schedule.voices[v];
+    double way = 0;
+    for (std::size_t i = voice.foci_per_slot; i < voice.order.size(); ++i)
+      way += glm::distance(voice.foci[voice.order[i]], voice.foci[voice.order[i - 1]]);
+    noise += voice.gain * voice.gain * (still_m + way);
+  }
+  return noise;
+}
+
 /// Passes a run on to the caller's observer, with what a session adds to it.
 class Session::Observer final : public RunObserver {
  public:
   Observer(const RunOptions& options, std::size_t transducers) : sink_(options.events), caller_(*options.observer) {
-    reserve(last_, transducers);
+    reserve(loud_plan_, transducers);
   }
-  /// The last plan that touched something; without voices if none did.
-  const Plan& last() const { return last_; }
+  /// The plan that is probably the loudest to the ear; without voices if nothing was touched.
+  const Plan& loudest() const { return loud_plan_; }
 
   /// Frames are of this scene from now on. `fingers` and `tracker`: nullptr without them.
   void begin(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker) {
@@ -130,7 +144,10 @@ class Session::Observer final : public RunObserver {
     caller_.started(frame);
   }
   void planned(const FrameReport& report, const Plan& plan) override {
-    if (plan.schedule.voice_count > 0) last_ = plan;
+    if (const double noise = noise_of(plan.schedule); noise > loudest_) {
+      loudest_ = noise;
+      loud_plan_ = plan;
+    }
     if (played_ && array::Loudness::asked(plan.schedule)) {
       log_->planned(plan.schedule, &played_->correct(plan));
     } else {
@@ -157,7 +174,8 @@ class Session::Observer final : public RunObserver {
     caller_.events(events);
   }
 
-  Plan last_;
+  Plan loud_plan_;
+  double loudest_ = 0;  ///< noise_of() of that plan
   std::span<const std::string> solids_;
   std::optional<PlayedParts> played_;
   std::optional<PressureLog> log_;  ///< of this scene
@@ -307,7 +325,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
   if (last.fingers) stats.finger_sounds = last.fingers->stats();
-  if (const EarDrives ear = ear_drives(observer.last(), last.setting, options.steps); !ear.drives.empty())
+  if (const EarDrives ear = ear_drives(observer.loudest(), last.setting, options.steps); !ear.drives.empty())
     stats.ear = acoustics::ear_level(ear.played(), ear.ear);
   stats.fingers = observer.pressures();
   stats.solids = observer.names();

@@ -282,7 +282,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
                         stats.backend_why);
   }
   if (stats.ear) {
-    text += fmt::format("to the ear, {:g} m beside the beam, the last touch had {} (predicted, 10 dB either way)\n",
+    text += fmt::format("to the ear, {:g} m beside the beam, the loudest touch had {} (predicted, 10 dB either way)\n",
                         acoustics::EarOptions().distance_m, acoustics::to_text(*stats.ear));
   }
   if (ceiling == 0) text += "the ceiling is 0: nothing sounds\n";

@@ -13,7 +13,7 @@
 namespace palpa::session {
 namespace {
 
-/// Of all transducers together: limits the time that the computation takes to about 0.1 s.
+/// The most periods, times transducers: the computation takes about 0.1 s.
 constexpr double most_periods = 1e7;
 constexpr double longest_s = 0.1;
 

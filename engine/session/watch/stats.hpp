@@ -136,7 +136,7 @@ struct LoopStats {
   std::optional<ShedStats> shed;
   std::optional<PredictStats> prediction;
   std::optional<FingerSoundStats> finger_sounds;
-  std::optional<acoustics::EarLevel> ear;  ///< how loud the last touch was to the ear, as predicted; none: no touch
+  std::optional<acoustics::EarLevel> ear;  ///< how loud the loudest touch was to the ear, as predicted; none: no touch
   std::vector<FingerPressure> fingers;     ///< filled if pressures were requested
   std::vector<std::string> solids;         ///< the names of their solids
 
