@@ -51,7 +51,9 @@ struct BoardSpec {
   double slot_s = 1.5e-3;  ///< the time that one drive lasts
   bool foci_move = true;   ///< from slot to slot; else a plan is one drive and its modulation
   double sound_speed_m_s = 343.21;
-  double ramp_s = 0;  ///< the time of a change from drive to drive, if the board can and the slot allows; 0: none
+  double ramp_s = 0;   ///< --ramp
+  bool steps = false;  ///< a change from drive to drive takes the slot, in even steps, if the board and its cable can
+  bool nulls = false;  ///< drives are silent at places, and what lies between two drives is not: changes are jumps
 };
 
 /// How many boards of a type, of `each` transducers, the layout consists of; 0 if it has anything else.
@@ -136,6 +138,7 @@ struct BoardKind {
   std::function<std::string(const std::string& argument)> own_layout{};
   /// The shortest slot in which foci may move; empty: any. Throws as open() does.
   std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
+  bool takes_steps = false;  ///< it uses BoardSpec::steps
   /// What its files multiply the amplitude of each transducer by (Layout::factors). Drives that it gets have that
   /// already. Empty: nothing. Throws as open() does.
   std::function<std::vector<float>(const BoardSpec&)> factors{};

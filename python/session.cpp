@@ -75,6 +75,7 @@ void refuse_live_options(const setup::LiveOptions& o) {
                 {"noise_free", o.noise_free},
                 {"events", !o.events.empty()},
                 {"board_files", !o.board_files.empty()},
+                {"steps", o.steps_given},
                 {"hold='auto'", o.hold_auto},
                 {"ramp", o.safety.ramp_s != 0},
                 {"ceiling", o.safety.ceiling != 1}},

@@ -53,6 +53,7 @@ class Autd3Board final : public Board {
   Autd3Board(const BoardSpec& spec, BoardNotes& notes)
       : notes_(notes),
         divider_(divider_of(spec.slot_s)),
+        change_(spec.nulls ? std::uint16_t{1} : divider_),
         count_(spec.layout.transducers.size()),
         layout_(spec.layout),
         sound_speed_m_s_(spec.sound_speed_m_s),
@@ -315,7 +316,7 @@ class Autd3Board final : public Board {
   }
 
   bool send_startup() {
-    constexpr std::uint16_t default_intensity_steps = 10, default_phase_steps = 40;
+    constexpr std::uint16_t default_intensity_steps = 10, most_phase_steps = 255;
     to_all([&](Message m, std::size_t) {
       switch (stage_) {
         case first_message:
@@ -334,7 +335,7 @@ class Autd3Board final : public Board {
           put_version(m, Version::done);
           break;
         case silencer:
-          put_silencer(m, std::min(divider_, default_intensity_steps), std::min(divider_, default_phase_steps));
+          put_silencer(m, std::min(change_, default_intensity_steps), std::min(change_, most_phase_steps));
           break;
         default:
           put_silence(m, segment_ ^ 1);
@@ -453,7 +454,7 @@ class Autd3Board final : public Board {
   }
 
   BoardNotes& notes_;
-  std::uint16_t divider_;
+  std::uint16_t divider_, change_;  ///< periods: of a slot, and the most of a change, which is quiet if it is slow
   std::size_t count_;
   array::Layout layout_;
   double sound_speed_m_s_;

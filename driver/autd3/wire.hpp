@@ -49,8 +49,8 @@ void put_nop(Message message);
 /// Resets to the state after power-up and synchronises the clocks: two operations.
 void put_clear_and_sync(Message message);
 void put_version(Message message, Version which);
-/// A change takes `intensity_steps` periods for amplitudes, and `phase_steps` for phases. Patterns that change faster
-/// are refused.
+/// A change takes `intensity_steps` periods for amplitudes, and `phase_steps` for phases, 1 to 255 each. Patterns that
+/// change faster are refused.
 void put_silencer(Message message, std::uint16_t intensity_steps, std::uint16_t phase_steps);
 /// Writes a segment, which sounds at once.
 void put_gain(Message message, std::uint8_t segment, std::span<const Emission> emissions);

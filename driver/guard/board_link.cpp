@@ -217,7 +217,9 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                                   .slot_s = setting.slot_s,
                                   .foci_move = setting.foci_move,
                                   .sound_speed_m_s = setting.sound_speed_m_s,
-                                  .ramp_s = setting.ramp_s}};
+                                  .ramp_s = setting.ramp_s,
+                                  .steps = setting.steps,
+                                  .nulls = setting.nulls}};
             if (factors) brief.board.layout.factors = factors(brief.board);
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans, setting.free_field);
@@ -226,7 +228,8 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
           kind.reads_files,
           kind.own_layout,
           kind.least_moving_slot_s,
-          kind.plays_plans};
+          kind.plays_plans,
+          kind.takes_steps};
 }
 
 }  // namespace palpa::driver

@@ -10,7 +10,7 @@ namespace palpa::driver {
 namespace {
 
 /// Must change whenever the data below or in the channel changes: palpa and its guard must be of one build.
-constexpr std::uint64_t mark = 0x70616c7061'0005;
+constexpr std::uint64_t mark = 0x70616c7061'0006;
 
 class Writer {
  public:
@@ -110,6 +110,8 @@ void write(Writer& out, const BoardSpec& board) {
   out.value(std::uint8_t{board.foci_move});
   out.value(board.sound_speed_m_s);
   out.value(board.ramp_s);
+  out.value(std::uint8_t{board.steps});
+  out.value(std::uint8_t{board.nulls});
 }
 
 BoardSpec read_board(Reader& in) {
@@ -121,6 +123,8 @@ BoardSpec read_board(Reader& in) {
   board.foci_move = in.value<std::uint8_t>() != 0;
   board.sound_speed_m_s = in.value<double>();
   board.ramp_s = in.value<double>();
+  board.steps = in.value<std::uint8_t>() != 0;
+  board.nulls = in.value<std::uint8_t>() != 0;
   return board;
 }
 

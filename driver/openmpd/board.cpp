@@ -23,7 +23,6 @@
 namespace palpa::driver::openmpd {
 namespace {
 
-constexpr double period_s = 25e-6;
 constexpr std::uint8_t default_divider = 4;
 constexpr double opening_patience_s = 5;
 /// At the end: longer than the waits for a stuck transfer, the purge after it and a request, one after the other.
@@ -144,10 +143,8 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
   }
   for (const auto& wire : wires_)
     wire->open();
-  const std::size_t carried = check_bandwidth(spec.slot_s);
-  const double ramp_s = std::min(spec.ramp_s, spec.slot_s / 2);
-  const auto wanted = static_cast<std::size_t>(ramp_s / (divider * period_s) + 1e-9);
-  steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, Connection::most_frames));
+  choose_steps(spec, divider * period_s);
+  watched_.reserve(wires_.size());
   newest_.resize(spec.layout.transducers.size());
   sounding_.resize(newest_.size());
   const double begin_s = clock_.now_s();
@@ -181,6 +178,56 @@ std::size_t OpenMpdBoard::check_bandwidth(double slot_s) const {
     frames = std::min(frames, bus_bytes_per_s / need);
   }
   return static_cast<std::size_t>(std::max(frames, 1.0));
+}
+
+void OpenMpdBoard::choose_steps(const BoardSpec& spec, double frame_s) {
+  const std::size_t carried = check_bandwidth(spec.slot_s);
+  const auto frames_of = [&](double seconds) { return static_cast<std::size_t>(seconds / frame_s + 1e-9); };
+  if (spec.nulls) {
+    if (!spec.steps) return;
+    note(notes_, &BoardNotes::warning,
+         "with nulls, phases jump from drive to drive, because what lies between two drives is not silent there; "
+         "--steps off avoids this warning");
+    return;
+  }
+  if (!spec.steps) {
+    constexpr std::size_t most_of_a_ramp = 8;
+    const std::size_t wanted = frames_of(std::min(spec.ramp_s, spec.slot_s / 2));
+    steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, most_of_a_ramp));
+    return;
+  }
+  const std::size_t frames = frames_of(spec.slot_s), wanted = std::max<std::size_t>(frames, 2) - 1;
+  steps_ = std::min({wanted, carried, Connection::most_frames});
+  if (steps_ == 1) {
+    note(notes_, &BoardNotes::warning, "phases jump from drive to drive, because {}; --steps off avoids this warning",
+         wanted == 1 ? FixedText<80>("a dwell of {:g} ms has no room for steps", 1e3 * spec.slot_s).view()
+                     : std::string_view("the USB bus carries one frame for each drive"));
+    return;
+  }
+  queue_ = std::min(frames, most_queued);
+  if (steps_ == wanted) return;
+  note(notes_, &BoardNotes::warning, "phases change in the first {:g} ms of a dwell of {:g} ms, because {}",
+       1e3 * frame_s * static_cast<double>(steps_), 1e3 * spec.slot_s,
+       steps_ == carried ? "the USB bus carries no more steps" : "silence must not wait longer");
+}
+
+/// How many frames of the next drive all boards can be sent now.
+std::size_t OpenMpdBoard::room() const {
+  std::size_t room = steps_;
+  for (const auto& wire : wires_) {
+    if (!wire->takes()) return 0;
+    if (queue_ > 0) room = std::min(room, queue_ - std::min(queue_, wire->most_queued()));
+  }
+  return room;
+}
+
+std::span<const pollfd> OpenMpdBoard::watched() {
+  watched_.clear();
+  if (queue_ == 0) return {};
+  for (const auto& wire : wires_) {
+    if (const pollfd one = wire->watched(); one.fd >= 0) watched_.push_back(one);
+  }
+  return watched_;
 }
 
 bool OpenMpdBoard::in_step() const {
@@ -247,33 +294,35 @@ void OpenMpdBoard::send_next() {
     return;
   }
   if (!send_silences() || !waits_) return;
-  for (const auto& wire : wires_) {
-    if (!wire->takes()) return;
-  }
+  const std::size_t count = room();
+  if (count == 0) return;
   for (std::size_t i = 0; i < wires_.size(); ++i)
-    send_steps(i);
+    send_steps(i, count);
   if (steps_ > 1) std::swap(sounding_, newest_);
   waits_ = silent_ = false;
   sent_s_ = clock_.now_s();
 }
 
-void OpenMpdBoard::send_steps(std::size_t board) {
+/// Sends the last `count` steps of the drive.
+void OpenMpdBoard::send_steps(std::size_t board, std::size_t count) {
   std::array<Frame, Connection::most_frames> frames;
-  std::array<array::TransducerDrive, transducers> between;
-  for (std::size_t step = 1; step < steps_; ++step) {
-    const float part = static_cast<float>(step) / static_cast<float>(steps_);
-    for (std::size_t t = 0; t < transducers; ++t) {
-      const array::TransducerDrive from = sounding_[board * transducers + t], to = newest_[board * transducers + t];
-      const float way = from.amplitude == 0 || to.amplitude == 0
-                            ? 0.0f
-                            : std::remainder(to.phase - from.phase, 2 * std::numbers::pi_v<float>);
-      const float phase = from.amplitude == 0 ? to.phase : from.phase;
-      between[t] = {std::lerp(from.amplitude, to.amplitude, part), phase + way * part};
-    }
-    encoders_[board].encode(between, frames[step - 1]);
+  std::array<array::TransducerDrive, transducers> between, begin;
+  std::array<float, transducers> ways;
+  const auto to = std::span(newest_).subspan(board * transducers, transducers);
+  for (std::size_t t = 0; count > 1 && t < transducers; ++t) {
+    const array::TransducerDrive from = sounding_[board * transducers + t];
+    const bool turns = from.amplitude != 0 && to[t].amplitude != 0;
+    ways[t] = turns ? std::remainder(to[t].phase - from.phase, 2 * std::numbers::pi_v<float>) : 0.0f;
+    begin[t] = {from.amplitude, from.amplitude == 0 ? to[t].phase : from.phase};
   }
-  frames[steps_ - 1] = next_[board];
-  wires_[board]->send(std::span(frames).first(steps_), true);
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    const float part = static_cast<float>(steps_ - count + 1 + i) / static_cast<float>(steps_);
+    for (std::size_t t = 0; t < transducers; ++t)
+      between[t] = {std::lerp(begin[t].amplitude, to[t].amplitude, part), begin[t].phase + ways[t] * part};
+    encoders_[board].encode(between, frames[i]);
+  }
+  frames[count - 1] = next_[board];
+  wires_[board]->send(std::span(frames).first(count), true);
 }
 
 /// A drive has got as far as on the slowest board.
@@ -369,6 +418,7 @@ class OpenBoard final : public Board {
   void tend() override { board_.tend(); }
   bool close() override { return board_.close(); }
   BoardCounts counts() const override { return board_.counts(); }
+  std::span<const pollfd> watched() override { return board_.watched(); }
 
  private:
   std::unique_ptr<usb::Transport> transport_ = usb::system_transport();
@@ -391,6 +441,7 @@ BoardKind board_kind() {
             return boards == 1 ? "openmpd" : boards == 2 ? "openmpd-pair" : "";
           },
           {},
+          true,
           factors_of};
 }
 

@@ -10,9 +10,13 @@
 // a board without a file gets its phases earlier by the lag of its firmware's source. Both need the master to be the
 // first board. With `lag=`, all but the first get that lag instead.
 //
-// With a ramp, a drive is several frames, in even steps from the drive before. They take at most half a slot, and there
-// are as many as the boards take and as chip and bus can carry. A transducer that was off takes its new phase, and one
-// that goes off keeps its old phase.
+// With steps, a drive is several frames, in even steps from the drive before: phases by the shorter way round, and
+// amplitudes. They take the slot except for its last frame, and there are as many as the boards take and as chip and bus
+// can carry. A transducer that was off takes its new phase, and one that goes off keeps its old phase. The boards pace
+// the frames. Silence waits for those that a board still has, so their queue, with what is on its way, never holds more
+// than a slot, nor more than most_queued frames: a drive that comes late leaves out its first steps, and never its last
+// frame, which waits instead. Without steps, a drive is one frame, and with a ramp as many as half a slot has, at
+// most 8.
 //
 // If a board falls out of step or is gone, all boards are silenced and resynchronised. The array plays on when all are
 // in step again, slightly more than a second after the last board is back. A board that waits for others gets zeros,
@@ -35,9 +39,6 @@
 #include "driver/usb/device.hpp"
 
 namespace palpa::driver::openmpd {
-
-/// The throughput of one high-speed bus, and of one FT232H, as far as it has been measured.
-inline constexpr double bus_bytes_per_s = 40e6, chip_bytes_per_s = 8e6;
 
 /// The argument of a link: "A,B@1-4,lag=0.5".
 struct Boards {
@@ -64,6 +65,7 @@ class OpenMpdBoard final : public Board {
   void tend() override;
   bool close() override;
   BoardCounts counts() const override;
+  std::span<const pollfd> watched() override;
 
   bool in_step() const;
   const std::vector<std::unique_ptr<Connection>>& connections() const { return wires_; }
@@ -71,12 +73,17 @@ class OpenMpdBoard final : public Board {
  private:
   static constexpr double quiet_s = 0.5;  ///< after this time, an all-off frame is sent
 
+  /// Frames that a board holds at most when silence comes, which then waits 1.5 ms for them.
+  static constexpr std::size_t most_queued = Connection::most_frames + 1;
+
   /// How many frames a drive may consist of.
   std::size_t check_bandwidth(double slot_s) const;
+  void choose_steps(const BoardSpec& spec, double frame_s);
   void tend_wires(bool may_ask = true);
   void send_next();
   void begin_silence();
-  void send_steps(std::size_t board);
+  std::size_t room() const;
+  void send_steps(std::size_t board, std::size_t count);
   bool send_silences();
   bool healthy_wire_flies() const;
   void tell();
@@ -85,9 +92,11 @@ class OpenMpdBoard final : public Board {
   Clock& clock_;
   std::vector<std::unique_ptr<Connection>> wires_;
   std::vector<Encoder> encoders_;
-  std::vector<Frame> next_;             ///< by board
-  bool waits_ = false;                  ///< next_ has not been sent
-  std::size_t steps_ = 1;               ///< frames of a drive
+  std::vector<Frame> next_;  ///< by board
+  bool waits_ = false;       ///< next_ has not been sent
+  std::size_t steps_ = 1;    ///< frames of a drive
+  std::size_t queue_ = 0;    ///< frames that a board may hold; 0: as many as come
+  std::vector<pollfd> watched_;
   array::Drive newest_, sounding_;      ///< with several: what next_ was made of, and what was sent last
   std::vector<std::uint8_t> silences_;  ///< by board: an all-off frame must still be sent, before anything else
   std::size_t asker_ = 0;               ///< the wire whose turn it is to ask its device

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <utility>
@@ -233,6 +234,7 @@ void Connection::reap() {
     --flying_;
     pending.sent += sent->bytes;
     if (pending.sounds && pending.sent == pending.length) ++completed_;
+    if (pending.sent == pending.length) note_arrival(pending.length);
     if (state_ == State::draining) continue;
     if (sent->outcome != Outcome::done) {
       fall_out(sent->outcome);
@@ -247,6 +249,24 @@ void Connection::reap() {
       }
     }
   }
+}
+
+void Connection::note_arrival(std::size_t bytes) {
+  const double frame_s = divider_ * period_s;
+  const auto frames = static_cast<double>(bytes) / frame_bytes;
+  // A real chip passes on one byte after the other, so all but those that it holds came earlier.
+  constexpr double chip_frames = 2;
+  const double earlier_s = std::min(frame_s, frame_bytes / chip_bytes_per_s) * std::max(frames - 1 - chip_frames, 0.0);
+  drained_s_ = std::max(drained_s_, clock_.now_s() - (device_->is_real() ? earlier_s : 0)) + frames * frame_s;
+}
+
+std::size_t Connection::most_queued() const {
+  std::size_t bytes = 0;
+  for (const Pending& pending : pending_)
+    bytes += pending.flies ? pending.length : 0;
+  const double left = std::max(drained_s_ - clock_.now_s(), 0.0) / (divider_ * period_s);
+  constexpr double rounding = 1e-6;
+  return bytes / frame_bytes + static_cast<std::size_t>(std::ceil(left - rounding));
 }
 
 void Connection::fall_out(Outcome outcome) {

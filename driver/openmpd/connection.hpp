@@ -12,6 +12,8 @@
 // a caller that has several boards or has to end. Only the search for a lost device allocates.
 #pragma once
 
+#include <poll.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -38,8 +40,8 @@ class Connection {
   static constexpr double transfer_patience_s = 0.25;
   static constexpr double pause_s = 1.05;  ///< the board's own second is over by then
   static constexpr double retry_s = 0.5;
-  static constexpr double idle_s = 0.4;          ///< a board clears its buffer every second in which it got nothing
-  static constexpr std::size_t most_frames = 8;  ///< in one send()
+  static constexpr double idle_s = 0.4;           ///< a board clears its buffer every second in which it got nothing
+  static constexpr std::size_t most_frames = 14;  ///< in one send()
 
   /// Transport and clock must outlive this object. `divider` is set once per opening.
   Connection(Address address, usb::Transport& transport, const Clock& clock, std::uint8_t divider);
@@ -65,6 +67,12 @@ class Connection {
   void keep_awake();
   /// Starts over, if it was in step: silence, and in step again a second later.
   void resync();
+
+  /// The most frames that can be on their way or in the board's buffer now. The board says nothing about its buffer:
+  /// bytes count as having come when their transfer is known to have ended, however long before they came.
+  std::size_t most_queued() const;
+  /// Ready when a transfer has ended; without a transfer, its fd is negative.
+  pollfd watched() const { return device_ && flying_ > 0 ? device_->watched() : pollfd{-1, 0, 0}; }
 
   /// Whether nothing that was sent is still on its way.
   bool settled() const { return flying_ == 0; }
@@ -93,6 +101,7 @@ class Connection {
     bool sounds = false;  ///< it is a drive to be counted
   };
 
+  void note_arrival(std::size_t bytes);
   void look_for_device();
   void find_device();
   void take_device();
@@ -124,6 +133,7 @@ class Connection {
   unsigned flying_ = 0;
   std::uint64_t begun_ = 0;  ///< transfers, in all
   double begun_s_ = 0;       ///< when the last one was begun
+  double drained_s_ = 0;     ///< when the board has taken the last frame from its buffer, at the latest
   FixedText<400> trouble_;
   std::uint64_t frames_ = 0;
   std::uint64_t submitted_ = 0, completed_ = 0;

@@ -26,6 +26,9 @@
 namespace palpa::driver::openmpd {
 
 inline constexpr std::size_t frame_bytes = 2 * transducers;
+inline constexpr double period_s = 25e-6;
+/// The throughput of one high-speed bus, and of one FT232H, as far as it has been measured.
+inline constexpr double bus_bytes_per_s = 40e6, chip_bytes_per_s = 8e6;
 inline constexpr unsigned phase_steps = 128;
 inline constexpr unsigned full_width = 64;
 using Frame = std::array<std::uint8_t, frame_bytes>;

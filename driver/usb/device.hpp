@@ -2,6 +2,8 @@
 // (local.hpp), or by a test's own memory (in_process.hpp). No driver knows which.
 #pragma once
 
+#include <poll.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -83,6 +85,11 @@ class Device {
   virtual void cancel() = 0;
   /// Call after a transfer that stalled.
   virtual Outcome clear_halt() = 0;
+
+  /// The descriptor that is ready when a transfer has ended; its fd is negative if there is none.
+  virtual pollfd watched() const { return {-1, 0, 0}; }
+  /// Whether bytes take the time that hardware takes for them.
+  virtual bool is_real() const { return false; }
 };
 
 /// A way to reach devices.

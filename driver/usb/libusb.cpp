@@ -128,6 +128,12 @@ class LibusbDevice final : public Device {
       : bus_(std::move(bus)), handle_(handle), endpoint_(endpoint) {
     for (Pending& pending : pending_)
       pending.transfer = libusb_alloc_transfer(0);
+    // The device's own descriptor is the one that libusb waits to write to.
+    const libusb_pollfd** const all = libusb_get_pollfds(bus_->context());
+    for (const libusb_pollfd** one = all; one != nullptr && *one != nullptr; ++one) {
+      if (((*one)->events & POLLOUT) != 0) watched_ = {(*one)->fd, (*one)->events, 0};
+    }
+    libusb_free_pollfds(all);
   }
   ~LibusbDevice() override {
     cancel();
@@ -177,6 +183,9 @@ class LibusbDevice final : public Device {
     return std::nullopt;
   }
 
+  pollfd watched() const override { return watched_; }
+  bool is_real() const override { return true; }
+
   void cancel() override {
     for (Pending& pending : pending_) {
       if (pending.flies && !pending.landed) libusb_cancel_transfer(pending.transfer);
@@ -209,6 +218,7 @@ class LibusbDevice final : public Device {
   std::unique_ptr<Bus> bus_;
   libusb_device_handle* handle_;
   std::uint8_t endpoint_;
+  pollfd watched_{-1, 0, 0};
   std::array<Pending, most_in_flight> pending_;
 };
 

@@ -77,9 +77,10 @@ class Connection {
     return Result::gone;
   }
   void wait(double seconds) {
-    pollfd watched{fd_, POLLIN, 0};
-    poll(&watched, 1, static_cast<int>(1000 * seconds));
+    pollfd one = watched();
+    poll(&one, 1, static_cast<int>(1000 * seconds));
   }
+  pollfd watched() const { return {fd_, POLLIN, 0}; }
 
  private:
   int fd_;
@@ -139,6 +140,8 @@ class LocalDevice final : public Device {
     }
     return std::nullopt;
   }
+
+  pollfd watched() const override { return connection_.watched(); }
 
   void cancel() override {
     for (unsigned number = 0; number < pending_.size(); ++number) {

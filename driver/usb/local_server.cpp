@@ -147,8 +147,9 @@ void LocalServer::carry(Client& client, double now_s) {
 }
 
 /// Handles one packet. Returns false if there is no more. A client that is gone has no descriptor any more.
-bool LocalServer::hear(Client& client, double now_s) {
+bool LocalServer::hear(Client& client, const std::function<double()>& now) {
   const ssize_t came = recv(client.fd, packet_.data(), packet_.size(), 0);
+  const double now_s = now();
   if (came < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (came < static_cast<ssize_t>(sizeof(LocalMessage))) {
     close(std::exchange(client.fd, -1));
@@ -212,16 +213,16 @@ bool LocalServer::hear(Client& client, double now_s) {
   return true;
 }
 
-void LocalServer::go_on(double now_s) {
-  peripheral_.advance(now_s);
+void LocalServer::go_on(const std::function<double()>& now) {
+  peripheral_.advance(now());
   for (int fd = 0; clients_.size() < most_clients;) {
     fd = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) break;
     clients_.push_back({fd, false, 0, {}});
   }
   for (Client& client : clients_) {
-    carry(client, now_s);
-    while (hear(client, now_s)) {
+    carry(client, now());
+    while (hear(client, now)) {
     }
   }
   std::erase_if(clients_, [](const Client& client) { return client.fd < 0; });

@@ -38,8 +38,8 @@ class LocalServer {
   void watch(std::vector<pollfd>& watched) const;
   /// Whether bytes wait for the peripheral to have room.
   bool waits() const;
-  /// Serves all clients without waiting.
-  void go_on(double now_s);
+  /// Serves all clients without waiting. The clock is read for each packet, so that nothing comes before it was sent.
+  void go_on(const std::function<double()>& now);
 
  private:
   struct Transfer {
@@ -55,7 +55,7 @@ class LocalServer {
   };
 
   void listen_at_free_address();
-  bool hear(Client& client, double now_s);
+  bool hear(Client& client, const std::function<double()>& now);
   void carry(Client& client, double now_s);
   void end_transfers(Client& client, Outcome outcome, double now_s);
   void end_transfer(Client& client, Outcome outcome, double now_s);

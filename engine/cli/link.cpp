@@ -219,6 +219,7 @@ void run_link(const Extensions& extensions, const LinkCommand& o) {
   const double dwell_s = std::max(o.dwell_s, std::ceil(1e3 * least_s) * 1e-3);
   session::LinkSetting setting{layout, nothing_solid, dwell_s};
   setting.board_files = o.board_files;
+  setting.steps = false;  // each transducer sounds as it is asked to, from its first period on
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, setting);
 
   std::optional<log::Relay> relay(std::in_place);

@@ -13,6 +13,7 @@
 #include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
+#include "line/together.hpp"
 #include "line/values.hpp"
 #include "setup/options/warnings.hpp"
 #include "setup/process/progress.hpp"
@@ -28,7 +29,8 @@ struct TouchCommand {
   setup::CommonOptions common;
   setup::TouchInputOptions input;
   setup::TouchTask task;
-  std::string csv;
+  std::string csv, wav;
+  double wav_scale_db = acoustics::usual_full_scale_db;
 };
 
 void add_options_of_touch(CLI::App& app, TouchCommand& o) {
@@ -37,6 +39,12 @@ void add_options_of_touch(CLI::App& app, TouchCommand& o) {
   setup::add_allow_outside(group, o.common);
   group.text("--csv", o.csv, "FILE|-", "writes the contacts: index,x,y,z,depth,finger,solid");
   setup::add_task_options(app, o.task);
+  const line::Group heard(app, "What is heard");
+  heard.text("--wav", o.wav, "FILE", "with --audible: writes 3 s of what is heard beside the beam, 48 kHz");
+  heard.number("--wav-scale", o.wav_scale_db, {0, 194}, "DB",
+               "with --wav: the level of a full-scale sine; give files that you compare the same");
+  line::need(app, {"--wav"}, "--audible");
+  line::need(app, {"--wav-scale"}, "--wav");
 }
 
 std::string order_line(const array::Voice& voice) {
@@ -88,6 +96,10 @@ std::string summary_of_touch(const setup::TouchResult& result, const setup::Touc
     if (common) text += order_line(all) + "; ";
     text += "--json gives everything\n";
   }
+  if (result.values.ear) {
+    fmt::format_to(out, "to the ear, {:g} m beside the beam: {} (predicted, 10 dB either way)\n",
+                   acoustics::EarOptions().distance_m, acoustics::to_text(*result.values.ear));
+  }
   if (result.beyond_linear()) text += setup::linear_line();
   text += felt_lines(session.scheduler().fingers(), result.values.spectra);
   return text;
@@ -98,7 +110,7 @@ void run_touch(const TouchCommand& given) {
   o.task.compute = o.common;
   check(o.input);
   check(o.task, !o.input.depths.empty());
-  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--wav", o.wav}});
   const setup::Stopwatch start;
   std::optional<setup::Preparing> preparing(std::in_place, o.common.quiet);
   std::vector<geometry::Solid> solids = setup::load_solids(o.input.scene, o.input.gltf_scene, o.input.solids);
@@ -106,6 +118,7 @@ void run_touch(const TouchCommand& given) {
   const setup::TouchResult result = setup::touch_scene(o.task, o.input.scene, std::move(solids), skin, start);
   preparing.reset();
   if (result.unreached) log::warning(*result.unreached);
+  if (!o.wav.empty()) write_file(o.wav, wav_of(o.task, result.session(), o.wav_scale_db));
   if (!o.csv.empty()) write_file(o.csv, to_csv(result.values));
   if (!o.common.json.empty()) write_file(o.common.json, to_json(result.values));
   if (setup::shows_summary(o.common, outputs)) write_file("-", summary_of_touch(result, skin, o.task.touch));
@@ -120,7 +133,7 @@ void add_touch(Program& program) {
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
        "  palpa touch --scene assets/cube.glb --depth assets/depth/hand.png \\\n"
        "              --camera assets/depth/camera.toml",
-       "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --csv",
+       "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --audible --csv",
        "Depths and coordinates are in metres, in the world (glTF's axes, +y up)."},
       add_options_of_touch, run_touch);
 }

@@ -12,6 +12,7 @@
 #include "session/loop/loop.hpp"
 #include "session/plan/played_parts.hpp"
 #include "session/plan/tuning_thread.hpp"
+#include "session/previews/ear_sound.hpp"
 #include "session/watch/pressure_log.hpp"
 
 namespace palpa::session {
@@ -91,10 +92,28 @@ struct Session::State {
   }
 };
 
+/// Grows with how loud a schedule is to the ear: with the ways from focus to focus and with the powers.
+double noise_of(const array::Schedule& schedule) {
+  constexpr double still_m = 1e-3;  // a modulation also makes noise
+  double noise = 0;
+  for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
+    const array::Voice& voice = schedule.voices[v];
+    double way = 0;
+    for (std::size_t i = voice.foci_per_slot; i < voice.order.size(); ++i)
+      way += glm::distance(voice.foci[voice.order[i]], voice.foci[voice.order[i - 1]]);
+    noise += voice.gain * voice.gain * (still_m + way);
+  }
+  return noise;
+}
+
 /// Passes a run on to the caller's observer, with what a session adds to it.
 class Session::Observer final : public RunObserver {
  public:
-  explicit Observer(const RunOptions& options) : sink_(options.events), caller_(*options.observer) {}
+  Observer(const RunOptions& options, std::size_t transducers) : sink_(options.events), caller_(*options.observer) {
+    reserve(loud_plan_, transducers);
+  }
+  /// The plan that is probably the loudest to the ear; without voices if nothing was touched.
+  const Plan& loudest() const { return loud_plan_; }
 
   /// Frames are of this scene from now on. `fingers` and `tracker`: nullptr without them.
   void begin(std::span<const std::string> solids, LiveFingers* fingers, EventTracker* tracker) {
@@ -125,6 +144,10 @@ class Session::Observer final : public RunObserver {
     caller_.started(frame);
   }
   void planned(const FrameReport& report, const Plan& plan) override {
+    if (const double noise = noise_of(plan.schedule); noise > loudest_) {
+      loudest_ = noise;
+      loud_plan_ = plan;
+    }
     if (played_ && array::Loudness::asked(plan.schedule)) {
       log_->planned(plan.schedule, &played_->correct(plan));
     } else {
@@ -151,6 +174,8 @@ class Session::Observer final : public RunObserver {
     caller_.events(events);
   }
 
+  Plan loud_plan_;
+  double loudest_ = 0;  ///< noise_of() of that plan
   std::span<const std::string> solids_;
   std::optional<PlayedParts> played_;
   std::optional<PressureLog> log_;  ///< of this scene
@@ -270,7 +295,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     throw bad_usage("foci on fingers follow the clock, not the frames: a run of every frame cannot have them");
   }
   check_run(s.setting, options.events != nullptr, "runs");
-  Observer observer(options);
+  Observer observer(options, s.setting.layout.transducers.size());
   observer.play_on(s.setting, link.boards());
   RunOptions loop = options;
   loop.observer = &observer;
@@ -300,6 +325,8 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     stats.tune = {tuning != nullptr, tuning ? tuning->known() : 0};
   }
   if (last.fingers) stats.finger_sounds = last.fingers->stats();
+  if (const EarDrives ear = ear_drives(observer.loudest(), last.setting, options.steps); !ear.drives.empty())
+    stats.ear = acoustics::ear_level(ear.played(), ear.ear);
   stats.fingers = observer.pressures();
   stats.solids = observer.names();
   return stats;

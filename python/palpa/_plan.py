@@ -67,7 +67,7 @@ PRESSURE, PRESSURES = ("peak_pa peak_m.# half_area_m2 half_radius_m elongation",
                        "peak_pa.# peak_m.#.# half_area_m2.# half_radius_m.# elongation.# ")
 SOLUTION = "solution.iterations solution.residual spread.draws spread.seed "
 OUTCOMES = {
-    "touch": "points contacts.count contacts.indices.# contacts.depths_m.# " + SCHEDULE + FELT + " " + under(
+    "touch": "points audible_dba.# contacts.count contacts.indices.# contacts.depths_m.# " + SCHEDULE + FELT + " " + under(
         "fingers.#", SCHEDULE + "indices.# centroid_m.# axes.#.# eigenvalues_m2.# foci_m.#.# focus_points.# gain asked_pa pressure_pa pressures_pa.#"),
     "drive": SOLUTION + "layout transducers sound_speed_m_s frequency_hz foci_m.#.# aimed_m.#.# gains.# pressures_pa.# over_free_field.# "
              "weakest_to_strongest unresolved_pairs.#.# amplitudes.# phases_rad.# spread.pressures_pa.#.# spread.weakest_to_strongest.#",

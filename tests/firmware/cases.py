@@ -127,11 +127,13 @@ def openmpd_cases(stage):
         stage.row(name, Comparison(board, pins, drives, scaled).result())
         return wire, drives
 
-    wire, drives = case("default", [], frames=30)
-    case("--ceiling 0.8", ["--ceiling", "0.8"])
-    case("--amplitude uniform", ["--amplitude", "uniform"])
-    case("--method single-focus", ["--method", "single-focus"])
-    case("--ramp 20ms", ["--ramp", "20ms"], scaled=True, steps=7)
+    jumps = ["--steps", "off"]
+    wire, drives = case("--steps off", jumps, frames=30)
+    case("default", [], scaled=True, steps=14)
+    case("--ceiling 0.8", ["--ceiling", "0.8", *jumps])
+    case("--amplitude uniform", ["--amplitude", "uniform", *jumps])
+    case("--method single-focus", ["--method", "single-focus", *jumps])
+    case("--ramp 20ms", ["--ramp", "20ms", *jumps], scaled=True, steps=7)
     case("--dwell 0.1ms", ["--dwell", "0.1ms"])
     test, sent = stage.link_test("openmpd", "openmpd:EMU1", ["--each", "4ms", "--rest", "2ms", "--dwell", "2ms"])
     found = Comparison(board, stage.simulate("openmpd", board, [test], 5e-3)[0], one_by_one()).result()
@@ -147,7 +149,7 @@ def openmpd_cases(stage):
     print(f"    the longest pulse is {found.widest} of 128 steps")
     stage.row("the next run after lost bytes", comparison.result(since_s=begin_s))
 
-    trace, drives = stage.player.run("openmpd", "openmpd:EMU1,EMU2", stage.rig("openmpd-pair"), [], 12, ("--serial", "EMU1,EMU2"))
+    trace, drives = stage.player.run("openmpd", "openmpd:EMU1,EMU2", stage.rig("openmpd-pair"), jumps, 12, ("--serial", "EMU1,EMU2"))
     wires = [wire_bytes(trace, serial) for serial in ("EMU1", "EMU2")]
     both = [Comparison(board, pins, drives[:, half], loudest=drives[:, :, 0].max(1)).result()
             for pins, half in zip(stage.simulate("openmpd_pair", board, wires, 5e-3), (slice(0, 256), slice(256, 512)))]

@@ -36,6 +36,7 @@ constexpr Entry entries[] = {
     {"--link", "link", "", FieldKind::link,
      "Where drives go: null (nowhere), record: and a file, foci:udp: with host and port, or a board: "},
     {"--board-files", "boards' own files", "", FieldKind::folder},
+    {"--steps", "steps between drives"},
     {"--every-frame", "process every frame"},
     {"--record", "record to", "", FieldKind::new_folder,
      "Writes every depth frame into a new folder, which can be played as a recording"},

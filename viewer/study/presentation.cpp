@@ -58,6 +58,7 @@ setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t m
   options.touch.parameters.foci = own.foci;
   options.touch.stride = own.stride;
   options.touch.dwell_s = own.dwell_s;
+  options.touch.dwell_given = true;
   options.touch.modulation_hz = own.modulation_hz;
   options.touch.method.method = own.method;
   options.touch.method_given = true;
@@ -106,6 +107,7 @@ void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& 
                                             .solid_names = {},
                                             .slot_s = options.touch.dwell_s,
                                             .foci_move = foci_move,
+                                            .steps = false,
                                             .board_files = run.board_files});
       session::SafeLink(*link, layout.transducers.size()).finish();
       if (const array::Layout* const boards = link->boards()) study::refuse_silent(plan, boards);

@@ -185,6 +185,7 @@ std::uint8_t EmulatedDevice::take_silencer(std::span<const std::uint8_t> o) {
   intensity_steps_ = u16(o, 2);
   phase_steps_ = u16(o, 4);
   if (intensity_steps_ == 0 || phase_steps_ == 0) violate("a silencer of 0 steps");
+  if (intensity_steps_ > 255 || phase_steps_ > 255) violate("a silencer of more than 255 steps");
   if (!too_fast(segments_[sounding_].divider, waveforms_[heard_].divider)) return no_error;
   std::tie(strict_, intensity_steps_, phase_steps_) = before;
   return bad_silencer;

@@ -39,6 +39,9 @@ class EmulatedDevice {
   /// Whether both of its pattern memories are silent, so that nothing sounds after a switch either.
   bool empty() const;
   bool cleared() const { return cleared_; }
+  /// How many periods its silencer takes for a change of phases, and of amplitudes.
+  std::uint16_t phase_steps() const { return phase_steps_; }
+  std::uint16_t intensity_steps() const { return intensity_steps_; }
   /// Operations that it has understood, and transitions from one segment to the other.
   std::uint64_t operations() const { return operations_; }
   std::uint64_t transitions() const { return transitions_; }

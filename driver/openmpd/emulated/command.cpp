@@ -102,7 +102,7 @@ void serve(std::span<const std::unique_ptr<Emulated>> boards, BoardsPicture* vie
     ppoll(watched.data(), watched.size(), &wait, nullptr);
     const double now_s = clock.now_s() - begin_s;
     for (const auto& one : boards) {
-      one->server->go_on(now_s);
+      one->server->go_on([&] { return clock.now_s() - begin_s; });
       const auto& kept = one->board.violations().kept();
       for (; one->told < kept.size() && !quiet; ++one->told) {
         write_file("-",

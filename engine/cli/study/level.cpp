@@ -13,6 +13,7 @@
 #include "setup/options/study_options.hpp"
 #include "setup/sessions/study_plan.hpp"
 #include "study/sitting/ear_level.hpp"
+#include "study/sitting/heard_level.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -29,7 +30,7 @@ void add_options_of_level(CLI::App& app, LevelCommand& o) {
   setup::add_override(group, o.override_by);
 }
 
-std::string level_text(const study::StudyPlan& plan, const study::EarLevel& level) {
+std::string level_text(const study::StudyPlan& plan, const study::EarLevel& level, const acoustics::EarLevel& heard) {
   std::string text = fmt::format("predicted within {:.0f} cm of the ears, in dB SPL: left {:.1f}, right {:.1f}\n",
                                  study::ear_ball_m * 100, level.db[0], level.db[1]);
   const auto add = [&](const std::string& line) { text += line + '\n'; };
@@ -44,13 +45,15 @@ std::string level_text(const study::StudyPlan& plan, const study::EarLevel& leve
   }
   add(fmt::format("equivalent for 8 hours, if the array sounds for {:.3g} min: {:.1f} dB", level.sounding_s / 60,
                   level.equivalent_db()));
+  add(fmt::format("the noise that the air makes of it, at the nearer ear: {} (predicted, 10 dB either way)",
+                  acoustics::to_text(heard)));
   add(fmt::format("limits:\n  {:5.1f} dB  this plan's", plan.level.limit_db));
   for (const study::EarLimit& limit : study::ear_limits())
     add(fmt::format("  {:5.1f} dB  {}: {}", limit.db, limit.who, limit.what));
   return text;
 }
 
-std::string level_json(const study::StudyPlan& plan, const study::EarLevel& level) {
+std::string level_json(const study::StudyPlan& plan, const study::EarLevel& level, const acoustics::EarLevel& heard) {
   JsonWriter json;
   json.begin_object().member("left_db", level.db[0]).member("right_db", level.db[1]).member("bound_db", level.bound_db);
   if (level.measured) json.member("measured_db", *level.measured);
@@ -61,8 +64,9 @@ std::string level_json(const study::StudyPlan& plan, const study::EarLevel& leve
       .member("layout", level.layout)
       .member("foci_m", level.foci)
       .member("ceiling", plan.level.ceiling)
-      .member("limit_db", plan.level.limit_db)
-      .end_object();
+      .member("limit_db", plan.level.limit_db);
+  acoustics::write_level(heard, json);
+  json.end_object();
   return json.take();
 }
 
@@ -73,8 +77,9 @@ void run_level(const LevelCommand& o) {
   study::refuse_silent(plan);
   const study::EarLevel level = study::predict_ear_level(plan, objects);
   study::check_signature(plan, level, o.override_by);
-  if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level));
-  if (setup::shows_summary(o.common, outputs)) write_file("-", level_text(plan, level));
+  const acoustics::EarLevel heard = study::predict_heard_level(plan, objects);
+  if (!o.common.json.empty()) write_file(o.common.json, level_json(plan, level, heard));
+  if (setup::shows_summary(o.common, outputs)) write_file("-", level_text(plan, level, heard));
   study::refuse_loud(plan, level, o.override_by);
 }
 

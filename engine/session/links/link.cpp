@@ -69,6 +69,12 @@ double least_moving_slot_s(const std::string& spec, std::span<const LinkKind> ki
   return kind.least_moving_slot_s ? kind.least_moving_slot_s(argument, layout) : 0;
 }
 
+void check_takes_steps(const std::string& spec, std::span<const LinkKind> kinds) {
+  const std::string name = parse_spec(spec).name;
+  if (find_kind(kinds, name, "link").takes_steps) return;
+  throw bad_usage("--steps goes with a link to boards that take steps, openmpd:SERIAL; " + name + " takes none");
+}
+
 std::string file_of_link(const std::string& spec, std::span<const LinkKind> kinds) {
   const auto [name, argument] = parse_spec(spec);
   return find_kind(kinds, name, "link").writes_file ? argument : std::string();

@@ -26,7 +26,8 @@ struct LinkSetting {
   double slot_s = 1.5e-3;                    ///< duration of one drive
   bool foci_move = true;                     ///< from slot to slot; otherwise, a plan is one drive and its modulation
   double sound_speed_m_s = 343.21;           ///< for boards that compute phases themselves
-  double ramp_s = 0;          ///< --ramp: a link that supports it also moves from focus to focus in steps
+  double ramp_s = 0;                         ///< --ramp, for a link that moves from drive to drive in steps itself
+  bool steps = true;          ///< --steps: a link that supports it does so during the whole slot, by the shorter way
   std::string board_files{};  ///< folder with the boards' own calibration; empty: none
   /// The phases of a drive of one focus are those of its distances at the layout's frequency, which such boards
   /// compute, too. False: those of another frequency, of another transfer than the free field, with nulls, or of the
@@ -93,6 +94,7 @@ struct LinkKind {
   /// The shortest slot in which the focus may change, for a link with such a limit. Throws as open().
   std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
   bool plays_plans = false;  ///< as Link::plays_plans()
+  bool takes_steps = false;  ///< the link uses LinkSetting::steps
 };
 
 /// `null`, `record`, `foci`.
@@ -111,6 +113,9 @@ std::string layout_of_link(const std::string& spec, std::span<const LinkKind> ki
 
 /// The shortest slot in which foci may move on that link; 0 if there is no limit.
 double least_moving_slot_s(const std::string& spec, std::span<const LinkKind> kinds, const array::Layout& layout);
+
+/// Throws bad_usage for a link that takes no steps.
+void check_takes_steps(const std::string& spec, std::span<const LinkKind> kinds);
 
 /// The file that such a link would write; "" if it writes none.
 std::string file_of_link(const std::string& spec, std::span<const LinkKind> kinds);

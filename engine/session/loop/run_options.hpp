@@ -40,6 +40,7 @@ struct RunOptions {
   std::function<void(const sensing::FrameSet&)> record{};
   /// Room for the images of frames that wait for `record`. 0: only the newest frame waits.
   std::uint64_t record_waiting_bytes = 0;
+  bool steps = true;  ///< as the link's LinkSetting::steps; for LoopStats::ear
 };
 
 }  // namespace palpa::session

@@ -148,6 +148,7 @@ std::string to_json(const LoopStats& stats) {
     json.key("most").rounded(own.gain.quantile(1), digits).end_object();
     json.end_object();
   }
+  if (stats.ear) acoustics::write_level(*stats.ear, json);
   write_pressures(stats.fingers, stats.solids, json);
   json.end_object();
   return json.take();

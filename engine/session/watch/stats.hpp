@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/audible.hpp"
 #include "base/files/json_writer.hpp"
 #include "gpu/pass_time.hpp"
 #include "sensing/no_skin.hpp"
@@ -135,8 +136,9 @@ struct LoopStats {
   std::optional<ShedStats> shed;
   std::optional<PredictStats> prediction;
   std::optional<FingerSoundStats> finger_sounds;
-  std::vector<FingerPressure> fingers;  ///< filled if pressures were requested
-  std::vector<std::string> solids;      ///< the names of their solids
+  std::optional<acoustics::EarLevel> ear;  ///< how loud the loudest touch was to the ear, as predicted; none: no touch
+  std::vector<FingerPressure> fingers;     ///< filled if pressures were requested
+  std::vector<std::string> solids;         ///< the names of their solids
 
   void add_passes(std::span<const gpu::PassTime> times);
 };

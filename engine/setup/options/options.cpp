@@ -135,7 +135,9 @@ void add_touch_options(CLI::App& app, TouchOptions& options, const char* foci) {
   group.integer(
       "--stride", options.stride, 1, 1u << 20,
       fmt::format("step between consecutive foci; must be coprime with {} [nearest to 0.3 of the foci]", foci));
-  group.quantity("--dwell", options.dwell_s, Quantity::time, dwell_range, "how long each focus lasts");
+  group.quantity("--dwell", options.dwell_s, Quantity::time, dwell_range,
+                 "how long each focus lasts; foci that stand still on an OpenMPD board last 0.3 ms unless you give it",
+                 &options.dwell_given);
   group.choice("--method", options.method.method, touch::method_words,
                "how a cross-section becomes foci (docs/methods.md)", &options.method_given);
   group.choice("--modulation", options.modulation, array::modulation_words,
@@ -160,6 +162,14 @@ void add_felt_options(CLI::App& app, FeltOptions& options) {
   line::need(app, {"--tune-shortest", "--tune-longest"}, "--tune");
   line::need(app, {"--tune-shortest"}, "--tune-longest");
   line::need(app, {"--tune-longest"}, "--tune-shortest");
+}
+
+void add_heard_options(CLI::App& app, HeardOptions& options) {
+  const line::Group group(app, "What is heard");
+  group.flag("--audible", options.audible, "predicts how loud the array is to the ear, beside its beam, in dB(A)");
+  group.choice("--steps", options.steps, steps_words,
+               "with --audible: whether OpenMPD boards go from drive to drive in steps of 0.1 ms, or jump");
+  line::need(app, {"--steps"}, "--audible");
 }
 
 void check(const FeltOptions& options, const TouchOptions& touch) {

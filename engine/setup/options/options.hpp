@@ -77,6 +77,7 @@ struct TouchOptions {
   bool delta_given = false;             ///< --delta is on the line; otherwise, a tracker has a thicker shell
   std::optional<std::uint32_t> stride;  ///< empty: the usual stride for the number of foci
   double dwell_s = 1.5e-3;
+  bool dwell_given = false;     ///< --dwell is on the line; otherwise, a link may choose one
   touch::MethodOptions method;  ///< --method
   bool method_given = false;    ///< --method is on the line; otherwise, a link may choose one that it can play
   array::Modulation modulation = array::Modulation::pressure_sine;
@@ -94,6 +95,17 @@ void check(const TouchOptions& options);
 /// Throws bad_usage if --finger-width is given, which has an effect only with depth images. `goes_with` names the
 /// option that gives them.
 void refuse_finger_width(const TouchOptions& options, const char* goes_with);
+
+/// Whether a board that can goes from drive to drive in steps.
+enum class Steps { on, off };
+inline constexpr Word<Steps> steps_words[] = {{"on", Steps::on}, {"off", Steps::off}};
+
+/// What is heard of a single touch.
+struct HeardOptions {
+  bool audible = false;
+  Steps steps = Steps::on;
+};
+void add_heard_options(CLI::App& app, HeardOptions& options);
 
 /// What skin feels of a single touch.
 struct FeltOptions {

@@ -30,7 +30,9 @@ LiveOptions settled(LiveOptions options, std::span<const session::LinkKind> own)
   const std::vector<session::LinkKind> links = with_builtin(own);
   session::check_board_files(options.link, links, options.board_files);
   take_layout_of_link(options.rig, options.link, links);
+  if (options.steps_given) session::check_takes_steps(options.link, links);
   take_method_of_link(options, links);
+  take_dwell_of_link(options, links);
   if (options.every_frame) options.leave_out_unmeasured_prediction();
   return options;
 }
@@ -57,6 +59,9 @@ void add_link_options(const line::Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
              "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
   add_board_files(group, o.board_files);
+  group.choice("--steps", o.steps, steps_words,
+               "whether OpenMPD boards go from drive to drive in steps of 0.1 ms, which is quieter to the ear, or jump",
+               &o.steps_given);
   group.flag("--every-frame", o.every_frame, "processes every frame, however long it takes, and not only the newest");
   group.text("--record", o.record, "DIR",
              "writes every depth frame into a new folder, for --source recording:DIR [no recording]");
@@ -123,6 +128,15 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
   touch.method.method = touch::Method::single_focus;
 }
 
+void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
+  TouchOptions& touch = options.touch;
+  if (options.steps == Steps::off || touch.dwell_given || !touch::stands_still(touch.method.method)) return;
+  if (!session::find_kind(links, session::parse_spec(options.link).name, "link").takes_steps) return;
+  // Boards of one bus: more would need more than it carries.
+  constexpr std::size_t most_boards = 11;
+  if (load_placed_layout(options.rig).layout.boards.size() <= most_boards) touch.dwell_s = still_dwell_s;
+}
+
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
   return added_to(session::builtin_links(), links);
 }
@@ -151,6 +165,7 @@ std::unique_ptr<session::Link> LiveRun::open_link(std::span<const session::LinkK
   try {
     session::LinkSetting setting = session().link_setting();
     setting.board_files = options_.board_files;
+    setting.steps = options_.steps == Steps::on;
     return session::open_link(options_.link, with_builtin(links), setting);
   } catch (...) {
     if (recorder_) recorder_->discard();
@@ -202,7 +217,8 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
                               .observer = &watched,
                               .events = sink_.get(),
                               .changes = osc_ || options_.reload || before_frame_ ? this : nullptr,
-                              .record = record};
+                              .record = record,
+                              .steps = options_.steps == Steps::on};
   std::uint64_t out_of_order = 0;  // frames whose time cannot be recorded; used by the recorder's thread
   if (recorder_) {
     options.record = [&](const sensing::FrameSet& set) {
@@ -264,6 +280,10 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
   if (!stats.backend.empty()) {
     text += fmt::format("computed {}, because {}\n", stats.backend == "cpu" ? "on the processor" : "with Vulkan",
                         stats.backend_why);
+  }
+  if (stats.ear) {
+    text += fmt::format("to the ear, {:g} m beside the beam, the loudest touch had {} (predicted, 10 dB either way)\n",
+                        acoustics::EarOptions().distance_m, acoustics::to_text(*stats.ear));
   }
   if (ceiling == 0) text += "the ceiling is 0: nothing sounds\n";
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +

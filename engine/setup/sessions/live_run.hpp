@@ -28,6 +28,8 @@ namespace palpa::setup {
 struct LiveOptions : FrameOptions {
   std::string link = "null";
   std::string board_files;
+  Steps steps = Steps::on;
+  bool steps_given = false;  ///< --steps is on the line
   bool every_frame = false;
   std::string record;
   bool overwrite = false;  ///< the folder of `record` may have a recording, which is replaced
@@ -60,6 +62,11 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
 /// If the link cannot follow foci that move so fast, gains do not change from slot to slot either. If the command line
 /// names no method, also sets single-focus and warns; a method of the caller's must then place one focus.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
+
+/// Foci that stand still sound in slots of this length, if the command line gives no dwell and the link's board takes
+/// steps and may: a modulation in so fine steps is quieter to the ear.
+inline constexpr double still_dwell_s = 0.3e-3;
+void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
 class LiveRun final : session::RunChanges {
  public:

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <span>
 #include <utility>
 
 #include "array/schedule.hpp"
+#include "base/error.hpp"
 #include "base/files/json_writer.hpp"
+#include "base/log.hpp"
 #include "base/text.hpp"
 #include "session/links/foci_link.hpp"
+#include "session/previews/ear_sound.hpp"
 #include "session/previews/foci_pressures.hpp"
 #include "session/watch/pressure_log.hpp"
 #include "setup/options/warnings.hpp"
@@ -24,6 +28,7 @@ namespace palpa::setup {
 void add_task_options(CLI::App& app, TouchTask& o) {
   add_touch_options(app, o.touch);
   add_felt_options(app, o.felt);
+  add_heard_options(app, o.heard);
   add_array_options(app, o.array);
 }
 
@@ -31,6 +36,8 @@ void check(const TouchTask& options, bool depth_images) {
   check(options.compute);
   check(options.touch);
   check(options.felt, options.touch);
+  if (options.heard.audible && options.array.layout.empty())
+    throw bad_usage("--audible goes with --layout: it is about an array");
   if (!depth_images) refuse_finger_width(options.touch, "--depth");
 }
 
@@ -64,7 +71,30 @@ TouchArray load_array(const TouchTask& o, std::span<const geometry::Solid> solid
   return array;
 }
 
+session::EarDrives ear_drives_of(const TouchTask& options, const session::Session& session) {
+  return session::ear_drives(session.plan(), session.setting(), options.heard.steps == Steps::on);
+}
+
+std::optional<acoustics::EarLevel> ear_of(const TouchTask& options, const session::Session& session) {
+  const session::EarDrives ear = ear_drives_of(options, session);
+  if (ear.drives.empty()) return std::nullopt;
+  return acoustics::ear_level(ear.played(), ear.ear);
+}
+
 }  // namespace
+
+std::string wav_of(const TouchTask& options, const session::Session& session, double full_scale_db) {
+  const session::EarDrives ear = ear_drives_of(options, session);
+  if (ear.drives.empty()) throw bad_usage("--wav: nothing is touched, so nothing is heard");
+  double peak = 0;
+  std::string wav =
+      acoustics::to_wav(acoustics::heard_sound(ear.played(), acoustics::least_q, ear.ear), full_scale_db, peak);
+  if (peak > 1) {
+    log::warning(fmt::format("--wav: the sound is louder than the file can be, so it is cut; give --wav-scale {:.0f}",
+                             std::ceil(full_scale_db + 20 * std::log10(peak))));
+  }
+  return wav;
+}
 
 TouchResult touch_scene(const TouchTask& options, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since) {
@@ -82,6 +112,7 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
   values.points = skin.point_count;
   if (options.felt.spectrum) values.spectra = spectra_of(session);
   if (!options.array.layout.empty()) values.pressures = session::foci_pressures(session.plan(), session.setting());
+  if (options.heard.audible) values.ear = ear_of(options, session);
   result.unreached = session::unreached(session.schedule(), session.solid_names());
   values.computed = used_backend(options.compute);
   values.total_ms = whole.lap_ms();
@@ -201,6 +232,7 @@ std::string to_json(const TouchValues& values) {
     add_finger(json, values, f);
   json.end_array();
   add_schedule(json, values.common);
+  if (values.ear) acoustics::write_level(*values.ear, json);
   if (values.computed) {
     json.member("backend", word_of(backend_words, values.computed->backend));
     json.member("backend_why", values.computed->why);

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/audible.hpp"
 #include "acoustics/felt/spectrum.hpp"
 #include "array/schedule.hpp"
 #include "geometry/solid.hpp"
@@ -30,6 +31,7 @@ struct TouchTask {
   ComputeOptions compute;
   TouchOptions touch;
   FeltOptions felt;
+  HeardOptions heard;
   ArrayOptions array;               ///< without a layout, nothing sounds
   session::OwnMethod own_method{};  ///< instead of the touch's method
 };
@@ -38,6 +40,10 @@ void add_task_options(CLI::App& app, TouchTask& options);
 /// Throws bad_usage if the options do not fit together; warns of unusual values. `depth_images`: the skin comes from
 /// depth images; a finger's width has an effect only with them.
 void check(const TouchTask& options, bool depth_images);
+
+/// The touch as it is heard beside the beam, a WAV file (acoustics::to_wav), with transducers of the lowest quality.
+/// Warns of samples that are cut. Throws bad_usage if nothing sounds.
+std::string wav_of(const TouchTask& options, const session::Session& session, double full_scale_db);
 
 /// All values of a touch without its session, for those who keep many touches: a session has the solids and a device.
 /// Lengths in metres, coordinates in the world.
@@ -52,6 +58,7 @@ struct TouchValues {
   std::uint64_t points = 0;                    ///< number of skin points; with depth images, of valid pixels
   std::vector<acoustics::Spectrum> spectra;    ///< with FeltOptions::spectrum, one for each finger; otherwise empty
   std::vector<std::vector<double>> pressures;  ///< Pa, with a layout: for each finger, for each focus of its voice
+  std::optional<acoustics::EarLevel> ear;      ///< with HeardOptions::audible and a finger
   std::optional<UsedBackend> computed;         ///< what computed, and why
   double total_ms = 0;
   StepTimes times;

@@ -52,7 +52,9 @@ ReviewedLine of_touch() {
                                        parts,
                                        felt,
                                        {{"goes with --layout", sound},
-                                        {"goes with --layout", {"--pressure 1kPa"}},
+                                        {"goes with --layout", {"--pressure 1kPa", "--audible"}},
+                                        {"OPTION goes with --audible", {"--steps off", "--wav none/x.wav"}},
+                                        {"--wav-scale goes with --wav", {"--wav-scale 60"}},
                                         {"go with --depth", {"--camera x.toml", "--rig x.toml"}},
                                         {"--finger-width goes with --depth", {"--finger-width 10mm"}}}}),
           .untried = "--scene --gltf-scene --points --depth --surface --cluster",
@@ -64,7 +66,9 @@ ReviewedLine of_touch() {
                         {"--method single-focus", modulated},
                         {"--layout openmpd", driven},
                         {"--layout openmpd --method multi-focus", {"--solver greedy"}},
-                        {"--layout openmpd", {"--directivity omni"}},
+                        {"--layout openmpd", {"--directivity omni", "--audible"}},
+                        {"--layout openmpd --audible", {"--steps off", "--wav OUT/touch.wav"}},
+                        {"--layout openmpd --audible --wav OUT/touch.wav", {"--wav-scale 60"}},
                         {"--spectrum", {"--spot 5mm"}},
                         {"",
                          {"--penetration 2mm", "--csv OUT/contacts.csv", "--foci 8", "--tune", "--spectrum",
@@ -84,7 +88,8 @@ ReviewedLine of_run() {
             {"--predict-latency goes with --predict auto", {"--predict off --predict-latency 20ms"}},
             {"give --predict-latency", {"--every-frame --predict auto"}},
             {"--finger goes with --transfer finger", {"--finger tip.ply"}},
-            {"--board-files goes with a link to boards", {"--board-files /"}}}}),
+            {"--board-files goes with a link to boards", {"--board-files /"}},
+            {"--steps goes with a link to boards", {"--steps off"}}}}),
       // A run measures itself, so that no two of them have the same results. These are tried with export.
       .untried =
           "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "

@@ -64,6 +64,7 @@ struct Autd3Rig {
   std::vector<Vec3> foci;
   std::uint64_t slot = 1000;
   double sound_speed_m_s = 340;
+  bool nulls = false;
 
   explicit Autd3Rig(const std::string& name = "autd3")
       : layout(array::load_layout(name)),
@@ -76,9 +77,13 @@ struct Autd3Rig {
     silence.assign(layout.transducers.size(), {0.0f, 0.0f});
   }
   std::unique_ptr<driver::Board> make(double slot_s = 1.5e-3) {
-    return driver::autd3::board_kind().open(
-        {.argument = argument, .files = files, .layout = layout, .slot_s = slot_s, .sound_speed_m_s = sound_speed_m_s},
-        notes);
+    return driver::autd3::board_kind().open({.argument = argument,
+                                             .files = files,
+                                             .layout = layout,
+                                             .slot_s = slot_s,
+                                             .sound_speed_m_s = sound_speed_m_s,
+                                             .nulls = nulls},
+                                            notes);
   }
   void open() { board = make(); }
   std::span<const array::TransducerDrive> part(std::uint64_t s) const {

@@ -13,8 +13,10 @@
 #include <numbers>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
+#include "acoustics/audible.hpp"
 #include "autd3_rig.hpp"
 #include "base/system/descriptor.hpp"
 #include "base/system/now.hpp"
@@ -71,6 +73,28 @@ TEST(Autd3Board, PlaysAPlanFromTheSlotThatIsRunning) {
     ASSERT_EQ(rig.notes.infos.size(), 1u);
     EXPECT_CONTAINS(rig.notes.infos[0], "1 of 1 plans transferred");
     EXPECT_TRUE(rig.notes.warnings.empty());
+  }
+}
+
+TEST(Autd3Board, PhasesChangeDuringTheWholeSlotAndNoLonger) {
+  for (const auto& [slot_s, phase, intensity] :
+       {std::tuple(1.5e-3, 60, 10), {0.1e-3, 4, 4}, {0.25e-3, 10, 10}, {6.375e-3, 255, 10}, {6.4e-3, 255, 10}}) {
+    for (const bool nulls : {false, true}) {
+      Rig rig;
+      rig.nulls = nulls;
+      const auto board = rig.make(slot_s);
+      {
+        const std::lock_guard held(rig.serving->lock);
+        EXPECT_EQ(rig.server.devices()[0].phase_steps(), nulls ? 1 : phase) << slot_s;
+        EXPECT_EQ(rig.server.devices()[0].intensity_steps(), nulls ? 1 : intensity) << slot_s;
+        EXPECT_EQ(rig.server.violation_count(), 0u);
+      }
+      const acoustics::Changes model = acoustics::changes_of("autd3", slot_s, true, nulls);
+      EXPECT_EQ(model.phase_steps, nulls ? 1 : phase) << "what --audible assumes";
+      EXPECT_EQ(model.amplitude_steps, nulls ? 1 : intensity);
+      board->all_off();
+      EXPECT_TRUE(board->close());
+    }
   }
 }
 

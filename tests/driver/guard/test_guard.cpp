@@ -163,8 +163,11 @@ TEST(Guard, WhatTheBoardRefusesIsRefusedAsItSaidIt) {
   told.setting.foci_move = false;
   told.setting.sound_speed_m_s = 350;
   told.setting.ramp_s = 0.02;
+  told.setting.steps = false;
+  told.setting.nulls = true;
   EXPECT_CONTAINS(test::error_of([&] { told.open("told"); }),
-                  "sound at 350 m/s, slots of 0.002 s, a ramp of 0.02 s, foci stand");
+                  "sound at 350 m/s, slots of 0.002 s, a ramp of 0.02 s, foci stand, jumps, nulls");
+  EXPECT_CONTAINS(test::error_of([&] { rig.open("told"); }), "foci move, steps, no nulls") << "by default";
   const auto none = board_link({"trace", "", {}, true}, "/nowhere/palpa-guard");
   EXPECT_ERROR(none.open("x", rig.setting), Exit::failed, "/nowhere/palpa-guard");
 }
@@ -465,7 +468,7 @@ TEST(GuardPlan, EndsWhereItsLastSlotDoes) {
 }
 
 TEST(GuardBrief, ComesOverWhole) {
-  Brief brief{"openmpd", {"A,B", "some folder", {}, 2e-3, false, 340, 0.01}, true};
+  Brief brief{"openmpd", {"A,B", "some folder", {}, 2e-3, false, 340, 0.01, true, true}, true};
   array::Layout& layout = brief.board.layout;
   layout.name = "mine";
   layout.transducers = {{Vec3(1, 2, 3), Vec3(0, 0, 1)}, {Vec3(-1, 0.5, 1e-9), Vec3(1, 0, 0)}};
@@ -480,6 +483,8 @@ TEST(GuardBrief, ComesOverWhole) {
   EXPECT_TRUE(back.only_silence);
   EXPECT_FALSE(back.board.foci_move);
   EXPECT_EQ(back.board.ramp_s, 0.01);
+  EXPECT_TRUE(back.board.steps);
+  EXPECT_TRUE(back.board.nulls);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const std::span<const std::byte> cut(bytes.data(), size);
     EXPECT_ERROR(brief_from(cut), Exit::failed, "another version");

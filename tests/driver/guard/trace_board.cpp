@@ -77,27 +77,28 @@ class TraceBoard final : public driver::Board {
 }  // namespace
 
 driver::BoardKind trace_board() {
-  return {"trace", "trace:FILE: every order to a board, into a file",
-          [](const driver::BoardSpec& spec, driver::BoardNotes& notes) -> std::unique_ptr<driver::Board> {
-            if (spec.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
-            if (spec.argument == "told")
-              throw bad_input("trace:told",
-                              fmt::format("sound at {} m/s, slots of {} s, a ramp of {} s, {}", spec.sound_speed_m_s,
-                                          spec.slot_s, spec.ramp_s, spec.foci_move ? "foci move" : "foci stand"));
-            const std::string die_once = "die-once:";
-            if (spec.argument.starts_with(die_once)) {
-              const std::string file = spec.argument.substr(die_once.size());
-              const std::string before = file + "-died";
-              if (access(before.c_str(), F_OK) == 0) return std::make_unique<TraceBoard>(file, true, notes);
-              const Descriptor mark(::open(before.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
-              static_cast<void>(std::raise(SIGKILL));
-            }
-            const std::string unsure = "unsure:";
-            const bool sure = !spec.argument.starts_with(unsure);
-            return std::make_unique<TraceBoard>(sure ? spec.argument : spec.argument.substr(unsure.size()), sure,
-                                                notes);
-          },
-          true};
+  return {
+      "trace", "trace:FILE: every order to a board, into a file",
+      [](const driver::BoardSpec& spec, driver::BoardNotes& notes) -> std::unique_ptr<driver::Board> {
+        if (spec.argument == "refuse") throw bad_input("trace:refuse", "there is no such board");
+        if (spec.argument == "told")
+          throw bad_input("trace:told", fmt::format("sound at {} m/s, slots of {} s, a ramp of {} s, {}, {}, {}",
+                                                    spec.sound_speed_m_s, spec.slot_s, spec.ramp_s,
+                                                    spec.foci_move ? "foci move" : "foci stand",
+                                                    spec.steps ? "steps" : "jumps", spec.nulls ? "nulls" : "no nulls"));
+        const std::string die_once = "die-once:";
+        if (spec.argument.starts_with(die_once)) {
+          const std::string file = spec.argument.substr(die_once.size());
+          const std::string before = file + "-died";
+          if (access(before.c_str(), F_OK) == 0) return std::make_unique<TraceBoard>(file, true, notes);
+          const Descriptor mark(::open(before.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+          static_cast<void>(std::raise(SIGKILL));
+        }
+        const std::string unsure = "unsure:";
+        const bool sure = !spec.argument.starts_with(unsure);
+        return std::make_unique<TraceBoard>(sure ? spec.argument : spec.argument.substr(unsure.size()), sure, notes);
+      },
+      true};
 }
 
 }  // namespace palpa::test

@@ -70,17 +70,26 @@ struct OpenMpdRig {
 
   void open() { open(bus); }
   void open(driver::usb::Transport& transport) {
-    board = std::make_unique<driver::openmpd::OpenMpdBoard>(
-        driver::BoardSpec{.argument = argument, .files = files, .layout = layout, .slot_s = slot_s, .ramp_s = ramp_s},
-        notes, transport, clock);
+    board = std::make_unique<driver::openmpd::OpenMpdBoard>(driver::BoardSpec{.argument = argument,
+                                                                              .files = files,
+                                                                              .layout = layout,
+                                                                              .slot_s = slot_s,
+                                                                              .ramp_s = ramp_s,
+                                                                              .steps = steps,
+                                                                              .nulls = nulls},
+                                                            notes, transport, clock);
   }
   /// Plays one slot after the other, like a guard.
   void play(const array::Drive& drive, double seconds) {
     for (const double end_s = clock.now_s() + seconds; clock.now_s() < end_s - 1e-9;) {
       board->play(slot++, drive);
-      clock.sleep_s(slot_s / 2);
-      board->tend();
-      clock.sleep_s(slot_s / 2);
+      // With steps, a guard also wakes up when a transfer has ended.
+      const int tends = steps ? 10 : 2;
+      for (int i = 1; i < tends; ++i) {
+        clock.sleep_s(slot_s / tends);
+        board->tend();
+      }
+      clock.sleep_s(slot_s / tends);
     }
     look();
   }
@@ -121,6 +130,7 @@ struct OpenMpdRig {
   array::Layout layout;
   std::string argument, files;
   double slot_s = 1.5e-3, ramp_s = 0;
+  bool steps = false, nulls = false;
   KeptNotes notes;
   std::vector<std::unique_ptr<driver::openmpd::EmulatedBoard>> emulators;
   std::vector<driver::usb::Faults*> faults;

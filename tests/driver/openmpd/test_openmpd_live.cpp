@@ -108,7 +108,7 @@ class Behind {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         for (const auto& server : servers_)
-          server->go_on(clock_.now_s() - begin_s_ + 3);
+          server->go_on([this] { return clock_.now_s() - begin_s_ + 3; });
         clock_.sleep_s(5e-4);
       }
     });

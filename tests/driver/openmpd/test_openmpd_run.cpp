@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "cli/support/process.hpp"
@@ -94,7 +95,8 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   Emulation emulation("openmpd-counts", "EMU1", {"--trace", trace.string()});
   const RunOptions options{.environment = emulation.environment()};
   const Result result =
-      palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "30", "--json", "-"}), options);
+      palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "30", "--steps", "off", "--json", "-"}),
+            options);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   emulation.end();
   const std::uint64_t heard = heard_in(trace).sounding;
@@ -111,6 +113,50 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   }
 }
 
+TEST(OpenMpdRun, ItsQueueNeverHoldsMoreThanASlotBesideLoad) {
+  // By the emulator's own clock, so that no speed of the machine makes a difference.
+  Emulation emulation("openmpd-queue", "EMU1");
+  const RunOptions options{.environment = emulation.environment()};
+  Result result;
+  {
+    std::vector<std::jthread> load;
+    for (unsigned i = 0; i < 2 * std::max(1U, std::thread::hardware_concurrency()); ++i) {
+      load.emplace_back([](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+        }
+      });
+    }
+    result = palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "60"}), options);
+  }
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json board = emulation.end()["boards"][0];
+  EXPECT_EQ(board["violation_count"], 0) << board;
+  EXPECT_LE(board["most_buffered_bytes"], 16 * 512) << "15 frames, and a silence";
+  EXPECT_GE(board["most_buffered_bytes"], 4 * 512) << "a drive is several frames";
+  EXPECT_FALSE(board["sounds"].get<bool>());
+}
+
+TEST(OpenMpdRun, FociThatStandStillHaveFineSlotsUnlessTheLineSaysOtherwise) {
+  Emulation emulation("openmpd-still", "EMU1");
+  const RunOptions options{.environment = emulation.environment()};
+  const auto slot_s = [&](const std::vector<std::string>& more) {
+    const Result result = palpa(
+        with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), with({"--frames", "20", "--json", "-"}, more)), options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const json stats = json::parse(result.out);
+    EXPECT_TRUE(stats.contains("audible_dba")) << "something was touched";
+    const json& drives = stats["drives"];
+    constexpr double hold_s = 0.5;  // silence comes so long after the last frame
+    return (stats["seconds"].get<double>() + hold_s) /
+           (drives["sent"].get<double>() + drives["skipped_slots"].get<double>());
+  };
+  EXPECT_NEAR(slot_s({}), 1.5e-3, 0.3e-3);
+  EXPECT_NEAR(slot_s({"--method", "single-focus"}), 0.3e-3, 0.06e-3);
+  EXPECT_NEAR(slot_s({"--method", "single-focus", "--steps", "off"}), 1.5e-3, 0.3e-3);
+  EXPECT_NEAR(slot_s({"--method", "single-focus", "--dwell", "1ms"}), 1e-3, 0.2e-3);
+  emulation.end();
+}
+
 /// With factors of one half, a ceiling of 0.04 is silent, and a request is played all the same.
 TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
   openmpd::Calibration half;
@@ -123,8 +169,8 @@ TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
     const std::vector<std::string> how =
         requests ? std::vector<std::string>{"--pressure", "300"} : std::vector<std::string>{"--ceiling", "0.04"};
     const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")),
-                                     with({"--frames", "30", "--json", "-", "--method", "single-focus", "--board-files",
-                                           emulation.folder().string()},
+                                     with({"--frames", "30", "--json", "-", "--method", "single-focus", "--steps",
+                                           "off", "--board-files", emulation.folder().string()},
                                           how)),
                                 options);
     ASSERT_EQ(result.exit_code, 0) << result.err;
