@@ -127,6 +127,10 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
                   link, own, rig.rig.empty() ? "a --rig" : rig.rig));
 }
 
+bool is_loud_by_default(const LiveOptions& options) {
+  return !options.ceiling_known && options.safety.ceiling == 1 && !options.drive.pressure_pa;
+}
+
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
   TouchOptions& touch = options.touch;
   const std::string name = session::parse_spec(options.link).name;
@@ -174,6 +178,17 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
                       options_.overwrite ? sensing::Existing::replaced : sensing::Existing::refused);
   }
   link_ = open_link(links);
+  warn_of_full_amplitude();
+}
+
+void LiveRun::warn_of_full_amplitude() {
+  const auto asks_for_pressure = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
+  if (!link_->boards() || !is_loud_by_default(options_) || std::ranges::all_of(session().solids(), asks_for_pressure))
+    return;
+  log::warning(
+      fmt::format("--link {}: plays at full amplitude, because no --ceiling is given; --ceiling 0.3 makes it quieter, "
+                  "to a tenth of the strength that skin feels (--ceiling 1: as loud, without this warning)",
+                  options_.link));
 }
 
 /// If the link cannot be opened, there will be no frames, so an empty recording is removed.

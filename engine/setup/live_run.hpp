@@ -57,6 +57,10 @@ std::vector<Output> outputs_of(const LiveOptions& options, std::span<const sessi
 /// it (log::info). Throws as sensing::load_rig and the link do.
 void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links);
 
+/// Whether a run with these options plays at full amplitude, without its user having asked for that: there is neither a
+/// ceiling nor a pressure.
+bool is_loud_by_default(const LiveOptions& options);
+
 /// If the link cannot follow foci that move so fast, gains do not change from slot to slot either. If the command line
 /// names no method, also sets single-focus and warns; a method of the caller's must then place one focus.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
@@ -81,6 +85,7 @@ class LiveRun final : session::RunChanges {
 
  private:
   std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);
+  void warn_of_full_amplitude();
   void watch_scene();
   void before_frame(session::Session& session) override;
   bool has_scene() const override { return reload_ && reload_->ready(); }
