@@ -11,7 +11,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/openmpd/board.hpp"
 #include "driver/usb/ftdi.hpp"
 #include "driver/usb/in_process.hpp"

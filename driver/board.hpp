@@ -136,6 +136,9 @@ struct BoardKind {
   std::function<std::string(const std::string& argument)> own_layout{};
   /// The shortest slot in which foci may move; empty: any. Throws as open() does.
   std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
+  /// What its files multiply the amplitude of each transducer by (Layout::factors). Drives that it gets have that
+  /// already. Empty: nothing. Throws as open() does.
+  std::function<std::vector<float>(const BoardSpec&)> factors{};
 };
 
 /// All kinds that palpa and its guard know.

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "acoustics/bodies/radiation.hpp"
-#include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -23,15 +22,16 @@
 #include "bodies_doc.hpp"
 #include "layout.hpp"
 #include "module.hpp"
-#include "options.hpp"
-#include "placed.hpp"
-#include "places.hpp"
 #include "running.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "setup/tasks/figure6.hpp"
 #include "setup/tasks/scatter.hpp"
 #include "setup/tasks/simulate.hpp"
 #include "shapes.hpp"
+#include "values/arrays.hpp"
+#include "values/options.hpp"
+#include "values/placed.hpp"
+#include "values/places.hpp"
 
 namespace palpa::python {
 namespace {

@@ -10,17 +10,17 @@
 #include <vector>
 
 #include "array/layouts/builtin_layouts.hpp"
-#include "arrays.hpp"
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"
 #include "layout_doc.hpp"
 #include "module.hpp"
-#include "placed.hpp"
 #include "running.hpp"
-#include "setup/drive_file.hpp"
+#include "setup/files/drive_file.hpp"
 #include "shapes.hpp"
+#include "values/arrays.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 

@@ -8,26 +8,27 @@
 #include <glm/vector_relational.hpp>
 #include <set>
 
-#include "arrays.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "driver/links.hpp"
 #include "driver/sources.hpp"
 #include "module.hpp"
-#include "placed.hpp"
 #include "session/control/osc.hpp"
 #include "session/plan/voice.hpp"
 #include "session_object.hpp"
-#include "setup/load.hpp"
-#include "setup/session_setting.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/null_watch.hpp"
+#include "setup/sessions/session_setting.hpp"
+#include "setup/sessions/touch_input.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/touch.hpp"
-#include "setup/touch_input.hpp"
-#include "setup/warnings.hpp"
 #include "touch_object.hpp"
+#include "values/arrays.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 

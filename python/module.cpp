@@ -14,14 +14,14 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/words.hpp"
 #include "driver/guard/process.hpp"
 #include "running.hpp"
-#include "setup/asset_folder.hpp"
+#include "setup/files/asset_folder.hpp"
 
 namespace palpa::python {
 
@@ -326,6 +326,7 @@ PYBIND11_MODULE(_engine, m) {
   add_tasks(m);
   add_recording(m);
   add_session(m);
+  add_sensation(m);
   add_pickles(m);
   guard(m);
 }

@@ -27,6 +27,7 @@ void add_bodies(py::module_& m);
 void add_tasks(py::module_& m);
 void add_recording(py::module_& m);
 void add_session(py::module_& m);
+void add_sensation(py::module_& m);
 void add_pickles(py::module_& m);
 
 /// Makes it the Python error of this thread, which needs the interpreter's lock.

@@ -11,7 +11,7 @@
 #include "geometry/solid.hpp"
 #include "session/plan/plan.hpp"
 #include "session/plan/scheduler.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::python {
 

@@ -12,20 +12,20 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.hpp"
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "driver/sources.hpp"
 #include "exported.hpp"
 #include "line/values.hpp"
 #include "module.hpp"
-#include "options.hpp"
 #include "running.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "setup/tasks/export.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
+#include "values/arrays.hpp"
+#include "values/options.hpp"
 
 namespace palpa::python {
 namespace {

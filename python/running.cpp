@@ -14,7 +14,7 @@
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "module.hpp"
 
 namespace palpa::python {

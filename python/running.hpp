@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "gpu/device.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::python {
 

@@ -14,26 +14,28 @@
 #include <vector>
 
 #include "array/schedule.hpp"
-#include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
-#include "cameras.hpp"
+#include "driver/sources.hpp"
 #include "layout.hpp"
 #include "module.hpp"
-#include "options.hpp"
-#include "placed.hpp"
 #include "running.hpp"
 #include "sensing/surroundings.hpp"
+#include "session/links/spec.hpp"
 #include "session_doc.hpp"
 #include "session_object.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
-#include "setup/session_setting.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/session_setting.hpp"
+#include "setup/sessions/touch_input.hpp"
 #include "setup/tasks/touch.hpp"
-#include "setup/touch_input.hpp"
 #include "shapes.hpp"
 #include "touch_object.hpp"
+#include "values/arrays.hpp"
+#include "values/cameras.hpp"
+#include "values/options.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 namespace {
@@ -107,8 +109,21 @@ void add_event(py::module_& m) {
 /// Options that have no effect on frames of points.
 void refuse_camera_options(const setup::LiveOptions& o) {
   setup::refuse_finger_width(o.touch, "depth images");
-  refuse_given({{"every_frame", o.every_frame}, {"record", !o.record.empty()}},
+  refuse_given({{"every_frame", o.every_frame},
+                {"record", !o.record.empty()},
+                {"keep_boards", o.keep_boards},
+                {"hysteresis", o.hysteresis.has_value()}},
                "a source of depth frames, not with points");
+}
+
+/// Throws bad_usage for a source that no run would open.
+void check_source(const std::string& source) {
+  std::vector<session::SourceKind> kinds = setup::with_builtin(driver::camera_sources());
+  kinds.push_back({.name = "points", .help = "points, which push_points() gives", .open = {}});
+  const session::SourceKind& kind =
+      session::find_kind(std::span<const session::SourceKind>(kinds), session::parse_spec(source).name, "source");
+  if (kind.name == "points" && source != kind.name)
+    throw bad_usage(fmt::format("source: {} is not {}", source, kind.help));
 }
 
 void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras) {
@@ -129,6 +144,7 @@ void open_frame_by_frame(SessionObject& o, std::vector<sensing::Camera> cameras)
   const gpu::Device* const device = setup::kept_device(options.common);
   o.session = device ? std::make_unique<session::Session>(*device, std::move(setting))
                      : std::make_unique<session::Session>(std::move(setting));
+  if (o.session->setting().drive.nulls) o.nulls.emplace(o.session->setting().layout, o.session->setting().drive, true);
 }
 
 SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::object& camera, bool depth,
@@ -155,6 +171,7 @@ SessionPtr make_session(const std::shared_ptr<SceneObject>& scene, const py::obj
   if (made->live()) {
     if (depth || !camera.is_none()) throw bad_usage("depth and camera are for sessions without a source");
     check(o);
+    check_source(o.source);
     if (made->from_points()) refuse_camera_options(o);
     return made;
   }
@@ -209,6 +226,7 @@ std::shared_ptr<TouchObject> touch_frame(SessionObject& o, const py::object& ski
     const touch::Touch& touch =
         images.empty() ? session.touch(std::span<const sensing::SkinPoint>(points), time) : session.touch(images, time);
     o.events = events_of(session.events(), session.solid_names());
+    if (o.nulls) o.nulls->planned(session.plan());
     return std::make_shared<TouchObject>(TouchObject{setup::values_of(session, touch), time, std::nullopt});
   });
   o.own.throw_fault();
@@ -287,6 +305,7 @@ Touch)")
       .def(
           "push_points", &push_points, py::arg("points"), py::arg("time") = py::none(),
           R"(Give a run with source="points" its next frame. Any thread may call it; it does not wait. The newest frame wins.
+It is refused before start() and after the end.
 
 Parameters
 ----------
@@ -338,7 +357,7 @@ pose : array_like, shape (4, 4)
       .def("__enter__", [](const SessionPtr& o) { return o; })
       .def("__exit__",
            [](const SessionPtr& o, const py::object& type, const py::object&, const py::object&) {
-             if (!o->run.running) return;
+             if (!o->run.running || !is_own_process()) return;  // in a fork, the run is the parent's
              o->run.stop = true;
              if (type.is_none()) {
                wait_for_end(o);

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "layout.hpp"
 #include "own.hpp"
 #include "running.hpp"
@@ -26,7 +26,8 @@
 #include "session/session.hpp"
 #include "session/watch/events.hpp"
 #include "session/watch/stats.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
+#include "setup/sessions/null_watch.hpp"
 #include "shapes.hpp"
 
 namespace palpa::python {
@@ -76,6 +77,7 @@ struct SessionObject {
   std::atomic<bool> knows_size{false};  ///< of its skin, which is looked at once
   std::shared_ptr<LayoutObject> array;  ///< frame by frame, if there is one
   std::unique_ptr<session::Session> session;
+  std::optional<setup::NullWatch> nulls;  ///< frame by frame, if there are nulls
   std::vector<EventObject> events;
   std::mutex turn;  ///< of its calls frame by frame; see Turn
   std::atomic<std::thread::id> whose_turn;

@@ -8,10 +8,9 @@
 #include <memory>
 #include <utility>
 
-#include "arrays.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
-#include "base/reference.hpp"
+#include "base/files/reference.hpp"
+#include "base/system/parallel.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
 #include "geometry/files/load_triangles.hpp"
@@ -19,10 +18,11 @@
 #include "geometry/haptics.hpp"
 #include "line/values.hpp"
 #include "module.hpp"
-#include "options.hpp"
-#include "placed.hpp"
 #include "running.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
+#include "values/arrays.hpp"
+#include "values/options.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 

@@ -12,8 +12,8 @@
 
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
-#include "setup/frames.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/frames.hpp"
 
 namespace palpa::python {
 

@@ -9,21 +9,21 @@
 #include <utility>
 #include <vector>
 
-#include "array/nulls.hpp"
-#include "arrays.hpp"
-#include "base/outputs.hpp"
+#include "array/nulls/nulls.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "layout.hpp"
 #include "line/values.hpp"
-#include "options.hpp"
-#include "placed.hpp"
 #include "running.hpp"
-#include "setup/drive_file.hpp"
-#include "setup/options.hpp"
-#include "setup/spread.hpp"
+#include "setup/files/drive_file.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/spread.hpp"
 #include "setup/tasks/export_played.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
+#include "values/arrays.hpp"
+#include "values/options.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 namespace {

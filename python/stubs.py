@@ -87,9 +87,9 @@ def option_lines(name, known):
             given = "bool | np.bool_"
         elif words:
             given = literal(words) + " | str"  # a variable of a loop over words is a str
-        elif kind in NUMBERS:
+        elif kind in NUMBERS or kind == "NUMBER":
             given = "float | str"
-        elif kind in {"COUNT", "NUMBER", "INTEGER", "N"}:
+        elif kind in {"COUNT", "INTEGER", "N"}:
             given = "int | str"
         else:
             given = "Any"

@@ -9,25 +9,25 @@
 #include <utility>
 #include <vector>
 
-#include "arrays.hpp"
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
-#include "base/reference.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/reference.hpp"
 #include "base/text.hpp"
 #include "driver/sources.hpp"
 #include "geometry/gltf/write.hpp"
 #include "line/values.hpp"
 #include "module.hpp"
-#include "options.hpp"
 #include "running.hpp"
 #include "sensing/rig.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/decompose.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
+#include "values/arrays.hpp"
+#include "values/options.hpp"
 
 namespace palpa::python {
 namespace {

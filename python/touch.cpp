@@ -8,23 +8,23 @@
 #include <utility>
 
 #include "acoustics/felt/skin.hpp"
-#include "arrays.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
-#include "cameras.hpp"
 #include "module.hpp"
-#include "options.hpp"
 #include "own.hpp"
-#include "placed.hpp"
 #include "running.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/rig.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/touch_input.hpp"
 #include "setup/tasks/touch.hpp"
-#include "setup/touch_input.hpp"
 #include "shapes.hpp"
 #include "touch_object.hpp"
+#include "values/arrays.hpp"
+#include "values/cameras.hpp"
+#include "values/options.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 

@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/free_field.hpp"
-#include "arrays.hpp"
+#include "array/field/free_field.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "layout.hpp"
 #include "layout_doc.hpp"
-#include "options.hpp"
-#include "placed.hpp"
 #include "running.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
+#include "values/arrays.hpp"
+#include "values/options.hpp"
+#include "values/placed.hpp"
 
 namespace palpa::python {
 namespace {

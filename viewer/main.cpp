@@ -3,7 +3,7 @@
 
 #include "driver/links.hpp"
 #include "driver/sources.hpp"
-#include "setup/program.hpp"
+#include "setup/process/program.hpp"
 #include "viewer/run/command.hpp"
 #include "viewer/run/run.hpp"
 #include "viewer/run/study_line.hpp"

@@ -13,7 +13,7 @@
 
 #include "assets/generators/hand.hpp"
 #include "assets/generators/program.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/remote.hpp"
 #include "driver/fixed_text.hpp"
@@ -401,17 +401,16 @@ class Autd3Board final : public Board {
     const array::Board& board = layout_.boards[device];
     const Vec3 way = focus - layout_.transducers[board.first].position;
     const auto along = [&](int axis) {
-      constexpr double most = 1e9;
       const double units = glm::dot(way, Vec3(board.T_layout_board[axis])) / fixed_unit_m;
-      return static_cast<std::int32_t>(std::lround(std::clamp(units, -most, most)));
+      return static_cast<std::int32_t>(std::lround(std::clamp(units, -1e9, 1e9)));
     };
     return {along(0), along(1), along(2)};
   }
 
-  /// Whether the devices can compute the drives from their foci: full amplitudes, and foci that a message can hold.
+  /// Whether the devices can compute the drives from their foci: one amplitude for each drive, and foci within reach.
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
-    if (!loading_.full() || foci.size() < 2 || foci.size() > most_foci) return false;
+    if (!loading_.even() || foci.size() < 2 || foci.size() > most_foci) return false;
     if (sound_speed_m_s_ > most_sound_speed_m_s || layout_.frequency_hz != period_hz) return false;
     // Devices get the speed in steps, which matter if it is low and the way long.
     constexpr double most_turns_off = 2.0 / 256;
@@ -425,12 +424,14 @@ class Autd3Board final : public Board {
       return true;
     });
   }
-
   void put_all_foci(Message message, std::size_t device, std::uint8_t segment) const {
     std::array<FixedPoint, most_foci> points;
     const std::uint32_t parts = loading_.parts();
-    for (std::uint32_t place = 0; place < parts; ++place)
-      points[place] = fixed(loading_.foci()[turn_.part_at(place, parts)], device);
+    for (std::uint32_t place = 0; place < parts; ++place) {
+      const std::uint32_t part = turn_.part_at(place, parts);
+      points[place] = fixed(loading_.foci()[part], device);
+      points[place].intensity = loading_.part(part)[0].intensity;
+    }
     put_foci(message, segment, divider_, sound_speed_m_s_, std::span(points).first(parts));
   }
 

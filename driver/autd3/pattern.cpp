@@ -11,10 +11,11 @@ Pattern::Pattern(std::size_t count, std::size_t most_parts)
 void Pattern::encode(const BoardPlan& plan) {
   const session::Cycle& cycle = plan.slots.cycle;
   parts_ = std::min<std::uint32_t>(cycle.length, static_cast<std::uint32_t>(foci_.size()));
-  full_ = true;
+  full_ = even_ = true;
   for (std::size_t t = 0; t < parts_ * transducers_; ++t) {
     emissions_[t] = emission(plan.drives[t]);
     full_ = full_ && emissions_[t].intensity == 255;
+    even_ = even_ && emissions_[t].intensity == emissions_[t - t % transducers_].intensity;
   }
   foci_count_ = plan.foci.size() == parts_ ? parts_ : 0;
   std::copy_n(plan.foci.begin(), foci_count_, foci_.begin());

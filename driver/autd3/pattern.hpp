@@ -27,6 +27,8 @@ class Pattern {
   std::uint32_t parts() const { return parts_; }
   /// Whether all transducers of all parts are at full amplitude.
   bool full() const { return full_; }
+  /// Whether all transducers of each part have one intensity.
+  bool even() const { return even_; }
   /// One focus per part, if each part is one focus; else empty.
   std::span<const Vec3> foci() const { return std::span(foci_).first(foci_count_); }
   std::span<const Emission> part(std::uint64_t index) const {
@@ -45,7 +47,7 @@ class Pattern {
   std::vector<Vec3> foci_;
   std::size_t foci_count_ = 0;
   std::uint32_t parts_ = 0;
-  bool full_ = false;
+  bool full_ = false, even_ = false;
   std::uint64_t until_slot_ = 0;
   double modulation_hz_ = 0, slot_s_ = 0, begin_s_ = 0;
   array::Modulation modulation_ = array::Modulation::pressure_sine;

@@ -13,8 +13,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/system/descriptor.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "array/layouts/layout.hpp"
-#include "base/descriptor.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/autd3/wire.hpp"
 #include "driver/fixed_text.hpp"
 #include "driver/guard/channel.hpp"

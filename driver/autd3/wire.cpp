@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "array/layouts/board_types.hpp"
 
@@ -77,23 +76,12 @@ void put_transition(Writer& out, Tag change, std::uint8_t segment) {
 
 const array::AmplitudeSteps& amplitudes = *array::find_board_type("autd3")->amplitudes();
 
-/// The least intensity with the amplitude of each step.
-const std::vector<std::uint8_t> intensities = [] {
-  std::vector<std::uint8_t> least;
-  for (int intensity = 0; intensity <= 255; ++intensity) {
-    const double width = std::round(512 / std::numbers::pi * std::asin(intensity / 255.0));
-    const auto level = static_cast<float>(std::sin(width * std::numbers::pi / 512));
-    if (amplitudes.below(level) == least.size()) least.push_back(static_cast<std::uint8_t>(intensity));
-  }
-  return least;
-}();
-
 }  // namespace
 
 Emission emission(array::TransducerDrive drive) {
   const double turns = drive.phase / (2 * std::numbers::pi);
   const int phase = static_cast<int>(std::floor(256 * (turns - std::floor(turns)) + 0.5)) % 256;
-  return {static_cast<std::uint8_t>(phase), intensities[amplitudes.below(drive.amplitude)]};
+  return {static_cast<std::uint8_t>(phase), amplitudes.code(amplitudes.below(drive.amplitude))};
 }
 
 void put_nop(Message message) {
@@ -185,7 +173,7 @@ bool within_reach(const FixedPoint& focus) {
 
 void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
               std::span<const FixedPoint> foci) {
-  constexpr std::uint64_t full = 255, eighteen_bits = (1 << 18) - 1;
+  constexpr std::uint64_t eighteen_bits = (1 << 18) - 1;
   Writer out(message);
   out.u8(foci_pattern);
   out.u8(begin_flag | end_flag);
@@ -199,7 +187,8 @@ void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, doub
   out.zeros(4 + 8);
   for (const FixedPoint& focus : foci) {
     const auto bits = [](std::int32_t value) { return static_cast<std::uint64_t>(value) & eighteen_bits; };
-    const std::uint64_t word = bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 | full << 54;
+    const std::uint64_t word =
+        bits(focus.x) | bits(focus.y) << 18 | bits(focus.z) << 36 | std::uint64_t{focus.intensity} << 54;
     for (int byte = 0; byte < 8; ++byte)
       out.u8(static_cast<std::uint8_t>(word >> (8 * byte)));
   }

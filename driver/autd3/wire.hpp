@@ -35,8 +35,8 @@ inline constexpr std::array<std::uint8_t, 14> hello_request{0x10, 1,   0,   'A',
 inline constexpr std::uint8_t known_firmware = 0xa5;
 enum class Version : std::uint8_t { cpu_major = 1, cpu_minor, fpga_major, fpga_minor, fpga_functions, done };
 
-/// One transducer's output in the devices' units: delay in 1/256 turns, and an intensity of 0 to 255, which selects one
-/// of 256 pulse widths: round(256 asin(intensity / 255) 2 / pi).
+/// One transducer's output in the devices' units: delay in 1/256 turns, and an intensity of 0 to 255, which selects a
+/// pulse width (array/layouts/board_types.cpp).
 struct Emission {
   std::uint8_t phase, intensity;
   bool operator==(const Emission&) const = default;
@@ -78,6 +78,7 @@ void put_pattern_phases(Message message, const PatternStep& step, std::span<cons
 /// the sign.
 struct FixedPoint {
   std::int32_t x = 0, y = 0, z = 0;
+  std::uint8_t intensity = 255;
 };
 inline constexpr double fixed_unit_m = 0.025e-3;
 inline constexpr double sound_speed_steps = 64;  ///< in which a device gets the sound speed, per m/s
@@ -88,7 +89,7 @@ inline constexpr std::size_t most_foci = 72;
 /// Whether a device can take the focus: its computation does not overflow.
 bool within_reach(const FixedPoint& focus);
 /// Writes a whole pattern at once into a segment that does not sound, with the transition: the foci one after the
-/// other, all transducers at full amplitude. The device computes the phases.
+/// other, all transducers at the focus' intensity. The device computes the phases.
 void put_foci(Message message, std::uint8_t segment, std::uint16_t divider, double sound_speed_m_s,
               std::span<const FixedPoint> foci);
 

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "driver/autd3/emulated/command.hpp"
 #include "driver/openmpd/emulated/command.hpp"

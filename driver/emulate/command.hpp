@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "cli/command.hpp"
 #include "driver/emulate/violations.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::driver::emulate {
 

@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "driver/emulate/stop.hpp"
 
 namespace palpa::driver::emulate {

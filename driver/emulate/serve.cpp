@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "driver/emulate/live_sound_picture.hpp"
 #include "driver/emulate/stop.hpp"
 #include "driver/emulate/trace.hpp"

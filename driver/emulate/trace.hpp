@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "driver/usb/local_server.hpp"
 
 namespace palpa::driver::emulate {

@@ -11,7 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
 #include "session/links/hand_over.hpp"
@@ -203,8 +203,8 @@ class BoardLink final : public session::Link {
 session::LinkKind board_link(const BoardKind& kind, const std::string& program) {
   return {kind.name,
           kind.help,
-          [name = kind.name, plays_plans = kind.plays_plans, program](const std::string& argument,
-                                                                      const session::LinkSetting& setting) {
+          [name = kind.name, plays_plans = kind.plays_plans, factors = kind.factors, program](
+              const std::string& argument, const session::LinkSetting& setting) {
             if (setting.slot_s > most_slot_s)
               throw bad_usage(
                   fmt::format("link {}: a board is silenced {} ms after its last drive, so a dwell of {} ms is too "
@@ -218,13 +218,15 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
                                   .foci_move = setting.foci_move,
                                   .sound_speed_m_s = setting.sound_speed_m_s,
                                   .ramp_s = setting.ramp_s}};
+            if (factors) brief.board.layout.factors = factors(brief.board);
             return std::make_unique<BoardLink>(std::move(brief), program.empty() ? guard_program() : program,
                                                plays_plans, setting.free_field);
           },
           false,
           kind.reads_files,
           kind.own_layout,
-          kind.least_moving_slot_s};
+          kind.least_moving_slot_s,
+          kind.plays_plans};
 }
 
 }  // namespace palpa::driver

@@ -14,8 +14,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/system/descriptor.hpp"
 
 namespace palpa::driver {
 namespace {

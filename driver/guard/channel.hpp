@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "array/transducer_drive.hpp"
-#include "base/descriptor.hpp"
 #include "base/math.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/board.hpp"
 #include "session/links/hand_over.hpp"
 

@@ -18,9 +18,9 @@
 #include <optional>
 #include <vector>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "session/links/hand_over.hpp"

@@ -18,9 +18,9 @@
 #include <filesystem>
 #include <system_error>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 #include "driver/guard/guard.hpp"
 
 namespace palpa::driver {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/descriptor.hpp"
-#include "base/kept_from_forks.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/kept_from_forks.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 

@@ -80,7 +80,21 @@ Boards parse_boards(std::string argument) {
     addresses.push_back(std::move(address));
     at = comma + 1;
   }
+  refuse_lag_of_one(boards.lag, addresses.size());
   return boards;
+}
+
+std::vector<float> factors_of(const BoardSpec& spec) {
+  if (spec.files.empty()) return {};
+  const std::vector<BoardFile> files = read_board_files(spec.files);
+  std::vector<float> factors;
+  for (const Address& address : parse_boards(spec.argument).addresses) {
+    const Calibration calibration = calibration_of(files, address.serial);
+    factors.insert(factors.end(), calibration.factors.begin(), calibration.factors.end());
+  }
+  if (factors.size() != spec.layout.transducers.size()) return {};  // the board refuses that layout
+  const bool alike = std::ranges::all_of(factors, [](float factor) { return factor == 1; });
+  return alike ? std::vector<float>() : factors;
 }
 
 std::uint8_t divider_for(double slot_s) {
@@ -375,7 +389,9 @@ BoardKind board_kind() {
           [](const std::string& argument) -> std::string {
             const std::size_t boards = parse_boards(argument).addresses.size();
             return boards == 1 ? "openmpd" : boards == 2 ? "openmpd-pair" : "";
-          }};
+          },
+          {},
+          factors_of};
 }
 
 }  // namespace palpa::driver::openmpd

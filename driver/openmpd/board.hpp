@@ -46,6 +46,9 @@ struct Boards {
 };
 /// Throws bad_usage for an empty name, for a board named twice, and as take_lag() does.
 Boards parse_boards(std::string argument);
+/// The factors that the boards' files have for the amplitudes of their transducers, in the layout's order; empty if all
+/// are 1. Throws as read_board_files() and parse_boards().
+std::vector<float> factors_of(const BoardSpec& spec);
 /// How many periods of 25 us a board lets pass between frames, for slots of that length: 4, which is the boards' value
 /// at power-up, or fewer. Throws bad_usage if half a slot is shorter than a period.
 std::uint8_t divider_for(double slot_s);

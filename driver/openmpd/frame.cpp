@@ -15,8 +15,7 @@ const array::AmplitudeSteps& widths = *array::find_board_type("openmpd")->amplit
 
 Encoder::Encoder(const Calibration& calibration, double lag_periods) {
   for (std::size_t t = 0; t < transducers; ++t) {
-    transducers_[t] = {pin_of(t), calibration.factors[t],
-                       0.5 - phase_steps * (calibration.degrees[t] / 360.0 + lag_periods)};
+    transducers_[t] = {pin_of(t), 0.5 - phase_steps * (calibration.degrees[t] / 360.0 + lag_periods)};
   }
 }
 
@@ -24,8 +23,8 @@ void Encoder::encode(std::span<const array::TransducerDrive> drive, Frame& out) 
   assert(drive.size() == transducers);
   constexpr double steps_per_radian = phase_steps / (2 * std::numbers::pi);
   for (std::size_t t = 0; t < transducers; ++t) {
-    const auto& [pin, factor, offset_steps] = transducers_[t];
-    const auto width = static_cast<unsigned>(widths.below(drive[t].amplitude * factor));
+    const auto& [pin, offset_steps] = transducers_[t];
+    const unsigned width = widths.code(widths.below(drive[t].amplitude));
     // The phase is within a few turns of zero and in double precision, so the mask below removes whole turns as well as
     // fract would.
     double steps = steps_per_radian * static_cast<double>(drive[t].phase);

@@ -3,11 +3,12 @@
 // The board has each transducer on during counts [phase, phase + width) of the 128 of a period, 25 us. A pulse of that
 // width has the amplitude sin(pi width / 128), where 64 is full, and the delay of its middle:
 //
-//   width = the number of the highest step that is not above amplitude * factor (array/layouts/board_types.hpp)
+//   width = that of the highest step that is not above the amplitude (array/layouts/board_types.hpp)
 //   phase = floor(128 (phase / 2 pi - offset / 360 - lag) + (64 - width) / 2 + 1/2) mod 128
 //
-// Offset and factor are the transducer's own (board_file.hpp), and the lag is the board's (driver/lag.hpp). A
-// transducer that is off has phase 0, so an all-zero drive is the all-off frame.
+// The offset is the transducer's own (board_file.hpp), and the lag is the board's (driver/lag.hpp). The amplitude
+// already has the transducer's factor (factors_of). A transducer that is off has phase 0, so an all-zero drive is the
+// all-off frame.
 //
 // Bit 7 of byte 0 starts a frame. Bit 7 of bytes 1 to 34 would set lights and the board's rate, which the board
 // remembers. Only the frame that with_divider() makes has any of these bits.
@@ -50,7 +51,6 @@ class Encoder {
  private:
   struct Transducer {
     std::uint8_t pin;
-    float factor;
     double offset_steps;  ///< plus half a step, for rounding
   };
   std::array<Transducer, transducers> transducers_;

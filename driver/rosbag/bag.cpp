@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 
 namespace palpa::driver::rosbag {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "driver/rosbag/cursor.hpp"
 
 namespace palpa::driver::rosbag {

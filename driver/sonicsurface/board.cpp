@@ -9,15 +9,16 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
 
 #include "array/layouts/board_types.hpp"
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/now.hpp"
+#include "base/files/input_file.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/lag.hpp"
 #include "driver/plan_tally.hpp"
@@ -35,13 +36,18 @@ constexpr double late_s = 30e-3;
 struct Port {
   std::string path;
   Firmware firmware = Firmware::plain;
-  double lag = 0;  ///< of the secondary board, in periods
+  std::optional<double> lag{};  ///< of the secondary board, in periods, if it was given
 };
 
 Port parse_port(std::string argument) {
   const std::string tactile = ",tactile";
   Port port;
-  port.lag = take_lag(argument).value_or(array::find_board_type("sonicsurface")->follower_lag);
+  if (argument.find(tactile) != std::string::npos && argument.find(",lag=") != std::string::npos) {
+    throw bad_usage(
+        "link sonicsurface takes tactile or lag=, not both: with the tactile firmware there is one board, and lag= is "
+        "for the second of two");
+  }
+  port.lag = take_lag(argument);
   if (argument.ends_with(tactile)) {
     argument.resize(argument.size() - tactile.size());
     port.firmware = Firmware::tactile;
@@ -55,14 +61,15 @@ Port parse_port(std::string argument) {
   return port;
 }
 
-std::size_t boards_of(const array::Layout& layout, Firmware firmware) {
-  const std::size_t most = firmware == Firmware::plain ? 2 : 1;
+std::size_t boards_of(const array::Layout& layout, const Port& port) {
+  const std::size_t most = port.firmware == Firmware::plain ? 2 : 1;
   const std::size_t boards = boards_of_type(layout, "sonicsurface", transducers);
   if (boards == 0 || boards > most) {
     throw bad_input("layout " + layout.name,
                     fmt::format("link sonicsurface drives {} of type sonicsurface, and nothing else",
                                 most == 2 ? "one or two boards" : "one board (tactile firmware)"));
   }
+  refuse_lag_of_one(port.lag, boards);
   return boards;
 }
 
@@ -80,7 +87,8 @@ class SonicSurface final : public Board {
   /// `notes` must outlive this object.
   SonicSurface(const BoardSpec& spec, BoardNotes& notes, const Port& port, std::size_t boards)
       : notes_(notes),
-        encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers), port.lag),
+        encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers),
+                 port.lag.value_or(array::find_board_type("sonicsurface")->follower_lag)),
         line_(port.path),
         timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
         still_(encoder_.size()),
@@ -346,14 +354,15 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
   if (folder.empty()) return {};
   const std::string file = (std::filesystem::path(folder) / "sonicsurface.txt").string();
   constexpr std::uint64_t most_bytes = 1 << 20;
-  std::istringstream in;
+  std::string bytes;
   try {
-    in.str(read_text_file(file, most_bytes));
+    bytes = read_file(file, most_bytes);
   } catch (const Error& error) {
     if (error.code() != Exit::bad_input) throw;
     throw bad_input(file,
                     fmt::format("cannot be read; it must have {} numbers, one per transducer, in degrees", count));
   }
+  std::istringstream in{std::string(text_in(bytes, file))};
   std::vector<float> degrees;
   for (float value = 0; in >> value;) {
     if (!(std::abs(value) <= 360)) {
@@ -371,10 +380,10 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
 
 BoardKind board_kind() {
   return {"sonicsurface",
-          "sonicsurface:PORT[,tactile][,lag=PERIODS]: SonicSurface boards on a serial port",
+          "sonicsurface:PORT[,tactile|,lag=PERIODS]: SonicSurface boards on a serial port",
           [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
             const Port port = parse_port(spec.argument);
-            const std::size_t boards = boards_of(spec.layout, port.firmware);
+            const std::size_t boards = boards_of(spec.layout, port);
             check_pace(spec, boards);
             return std::make_unique<SonicSurface>(spec, notes, port, boards);
           },
@@ -382,7 +391,7 @@ BoardKind board_kind() {
           true,
           [](const std::string&) { return std::string("sonicsurface"); },
           [](const std::string& argument, const array::Layout& layout) {
-            return seconds_of(frame_size(boards_of(layout, parse_port(argument).firmware)));
+            return seconds_of(frame_size(boards_of(layout, parse_port(argument))));
           }};
 }
 

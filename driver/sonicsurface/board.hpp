@@ -1,4 +1,4 @@
-// SonicSurface boards on a serial port: `sonicsurface:PORT[,tactile][,lag=PERIODS]`, one board or, if the layout has
+// SonicSurface boards on a serial port: `sonicsurface:PORT[,tactile|,lag=PERIODS]`, one board or, if the layout has
 // two, a primary and a secondary one. docs/boards.md says how the polarity of their transducers is given
 // (--board-files).
 //

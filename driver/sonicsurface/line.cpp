@@ -15,8 +15,8 @@
 #include <thread>
 #include <utility>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/system/descriptor.hpp"
 
 namespace palpa::driver::sonicsurface {
 namespace {

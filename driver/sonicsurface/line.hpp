@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include "base/descriptor.hpp"
+#include "base/system/descriptor.hpp"
 
 namespace palpa::driver::sonicsurface {
 

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <system_error>
 
-#include "base/kept_from_forks.hpp"
+#include "base/system/kept_from_forks.hpp"
 
 namespace palpa::driver::v4l2 {
 namespace {

@@ -10,11 +10,11 @@
 #include <numbers>
 
 #include "array/free_drives.hpp"
-#include "array/many_foci.hpp"
-#include "array/null_drive.hpp"
-#include "array/nulls.hpp"
-#include "array/slot_pressures.hpp"
-#include "array/solver_traits.hpp"
+#include "array/nulls/null_drive.hpp"
+#include "array/nulls/nulls.hpp"
+#include "array/pressures/many_foci.hpp"
+#include "array/pressures/slot_pressures.hpp"
+#include "array/pressures/solver_traits.hpp"
 #include "array/solvers/back_propagation.hpp"
 #include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/greedy.hpp"
@@ -272,12 +272,6 @@ const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, F
   return free_field;
 }
 
-bool drivable(const SlotFocus& focus) {
-  const Vec3& p = focus.position;
-  // Written so that NaN fails the test.
-  return std::abs(p.x) <= 100 && std::abs(p.y) <= 100 && std::abs(p.z) <= 100;
-}
-
 std::size_t quick_foci(std::size_t transducers, const DriveOptions& options, double within_s) {
   if (options.nulls) return 0;
   if (options.solver == Solver::naive) return std::numeric_limits<std::size_t>::max();
@@ -293,10 +287,6 @@ DriveScratch::DriveScratch() : parts_(std::make_unique<Parts>()) {}
 DriveScratch::~DriveScratch() = default;
 DriveScratch::DriveScratch(DriveScratch&&) noexcept = default;
 DriveScratch& DriveScratch::operator=(DriveScratch&&) noexcept = default;
-
-float gain_of(const SlotFocus& focus) {
-  return focus.gain > 0 ? std::min(1.0f, focus.gain) : 0.0f;
-}
 
 void drive_for(const Layout& layout, std::span<const SlotFocus> foci, const DriveOptions& options,
                std::span<TransducerDrive> out, DriveScratch& memory) {

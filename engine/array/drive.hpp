@@ -27,21 +27,15 @@
 #include <span>
 
 #include "array/drive_options.hpp"
-#include "array/free_field.hpp"
+#include "array/field/free_field.hpp"
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 
 /// The transfer for these options. Prepares `free_field` if that is the one.
 const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, FreeField& free_field);
-
-/// Whether a focus can be driven: finite, with coordinates within 100 m. Other foci are left out of their slot.
-bool drivable(const SlotFocus& focus);
-
-/// The focus' gain as it is used: clamped to 0..1, NaN counts as 0.
-float gain_of(const SlotFocus& focus);
 
 /// With how many foci drive_for surely takes no longer than this on one core; 0: not even with one. Foci that request a
 /// pressure do not count.

@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "array/constraint.hpp"
-#include "array/directivity.hpp"
+#include "array/field/constraint.hpp"
+#include "array/field/directivity.hpp"
 #include "array/medium.hpp"
 #include "base/math.hpp"
 
@@ -34,6 +34,12 @@ struct SlotFocus {
   /// Peak pressure that it must never exceed: its finger's request at the crest of the modulation. nullopt: no request.
   std::optional<double> most_pa{};
 };
+
+/// Whether a focus can be driven: finite, with coordinates within 100 m. Other foci are left out of their slot.
+bool drivable(const SlotFocus& focus);
+
+/// The focus' gain as it is used: clamped to 0..1, NaN counts as 0.
+float gain_of(const SlotFocus& focus);
 
 struct DriveOptions {
   Weighting weighting = Weighting::distance;

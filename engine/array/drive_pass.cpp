@@ -1,5 +1,5 @@
 #include "array/drive_pass.hpp"
-#include "array/solver_traits.hpp"
+#include "array/pressures/solver_traits.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "gpu/barrier.hpp"
 #include "spirv/drive_focus.comp.hpp"
 #include "spirv/drive_sum.comp.hpp"

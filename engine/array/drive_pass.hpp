@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
-#include "array/farthest.hpp"
-#include "array/free_field.hpp"
+#include "array/field/farthest.hpp"
+#include "array/field/free_field.hpp"
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/slot_drives.hpp"
 #include "array/solver_pass.hpp"
 #include "array/transducer_drive.hpp"
-#include "array/transfer.hpp"
 #include "gpu/buffer.hpp"
 #include "gpu/commands.hpp"
 #include "gpu/pipeline.hpp"

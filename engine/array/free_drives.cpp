@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "array/turns.hpp"
+#include "array/field/turns.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {
@@ -37,13 +37,13 @@ struct Places {
 /// The amplitude that a focus asks of a transducer: its distance over that of the farthest one, or 1. One formula for
 /// both, because compilers do not vectorise a loop with a choice.
 struct Asked {
-  double slope, level, farthest;
+  double slope, offset, farthest;
 
   Asked(const FocusSource& source, Weighting weighting)
       : slope(weighting == Weighting::uniform || source.farthest == 0 ? 0 : 1),
-        level(1 - slope),
+        offset(1 - slope),
         farthest(slope > 0 ? source.farthest : 1) {}
-  [[gnu::always_inline]] inline double at(double distance) const { return (distance * slope + level) / farthest; }
+  [[gnu::always_inline]] inline double at(double distance) const { return (distance * slope + offset) / farthest; }
 };
 
 struct OneFocus {

@@ -6,11 +6,11 @@
 #include <complex>
 #include <span>
 
-#include "array/constraint.hpp"
+#include "array/field/constraint.hpp"
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/medium.hpp"
 #include "array/transducer_drive.hpp"
-#include "array/transfer.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {

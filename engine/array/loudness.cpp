@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "array/drive.hpp"
-#include "array/many_foci.hpp"
-#include "array/solver_traits.hpp"
+#include "array/pressures/many_foci.hpp"
+#include "array/pressures/solver_traits.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {

@@ -17,13 +17,13 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
-#include "array/farthest.hpp"
-#include "array/free_field.hpp"
+#include "array/field/farthest.hpp"
+#include "array/field/free_field.hpp"
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
+#include "array/pressures/slot_pressures.hpp"
 #include "array/schedule.hpp"
-#include "array/slot_pressures.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 

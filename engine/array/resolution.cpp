@@ -1,8 +1,8 @@
 #include "array/resolution.hpp"
 
 #include "array/drive.hpp"
+#include "array/field/free_field.hpp"
 #include "array/free_drives.hpp"
-#include "array/free_field.hpp"
 #include "array/solvers/gs_pat.hpp"
 
 namespace palpa::array {

@@ -77,6 +77,9 @@ struct Schedule {
   std::uint32_t voice_count = 0;
   double time_s = 0;  ///< capture time of the frame it was made from
   Advance advance;
+  /// Each entry of an order belongs to the slot that plays it next, and to no other: a link that forwards foci sends
+  /// them slot by slot.
+  bool once = false;
   /// The names of the solids, if they are not those that the schedule's receiver knows: the scene was read again.
   std::shared_ptr<const std::vector<std::string>> solid_names{};
 
@@ -85,6 +88,7 @@ struct Schedule {
   void clear() {
     voice_count = 0;
     advance = {};
+    once = false;
   }
 };
 

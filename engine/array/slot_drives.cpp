@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "base/now.hpp"
-#include "base/parallel.hpp"
+#include "base/system/now.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::array {
 namespace {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/stream_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/stream_writer.hpp"
 #include "base/text.hpp"
 
 namespace palpa::log {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 
 namespace palpa::bench {
 

@@ -12,7 +12,7 @@
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "bench/bench.hpp"
 
 namespace palpa::bench {

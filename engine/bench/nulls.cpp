@@ -18,8 +18,8 @@
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/nulls.hpp"
-#include "base/parallel.hpp"
+#include "array/nulls/nulls.hpp"
+#include "base/system/parallel.hpp"
 #include "bench/bench.hpp"
 
 namespace palpa::bench {

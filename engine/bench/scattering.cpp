@@ -31,11 +31,11 @@
 #include "acoustics/field/waves.hpp"
 #include "array/drive.hpp"
 #include "array/layouts/layout.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 
 namespace palpa::bench {
 namespace {

@@ -19,7 +19,7 @@
 #include "array/layouts/layout.hpp"
 #include "array/slot_drives.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "bench/bench.hpp"
 #include "gpu/commands.hpp"
 

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "array/layouts/board_mesh.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "bench/bench.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
@@ -19,8 +19,8 @@
 #include "gpu/commands.hpp"
 #include "gpu/pass_time.hpp"
 #include "sensing/synthetic.hpp"
-#include "setup/assets.hpp"
-#include "setup/load.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/sessions/load.hpp"
 #include "touch/points/passes.hpp"
 #include "touch/stage.hpp"
 

@@ -9,16 +9,16 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "cli/commands.hpp"
 #include "experiment/afferents_picture.hpp"
 #include "experiment/afferents_task.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
-#include "setup/assets.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
-#include "setup/progress.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/options/options.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/load.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::cli {

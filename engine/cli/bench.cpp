@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "line/values.hpp"
-#include "setup/options.hpp"
-#include "setup/progress.hpp"
+#include "setup/options/options.hpp"
+#include "setup/process/progress.hpp"
 
 namespace palpa::cli {
 namespace {

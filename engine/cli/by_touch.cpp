@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "cli/calibrate.hpp"
-#include "setup/assets.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/tracker.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/register_cameras.hpp"
-#include "setup/tracker.hpp"
 
 namespace palpa::cli {
 namespace {

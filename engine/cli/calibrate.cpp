@@ -9,12 +9,12 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
-#include "setup/progress.hpp"
+#include "setup/process/progress.hpp"
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 

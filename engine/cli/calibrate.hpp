@@ -9,8 +9,8 @@
 #include "base/math.hpp"
 #include "cli/command.hpp"
 #include "sensing/rig.hpp"
-#include "setup/live_run.hpp"
-#include "setup/touch_steps.hpp"
+#include "setup/sessions/live_run.hpp"
+#include "setup/tasks/touch_steps.hpp"
 
 namespace palpa::cli {
 

@@ -13,7 +13,7 @@
 #include "cli/doctor.hpp"
 #include "session/links/link.hpp"
 #include "session/links/sources.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace CLI {
 class App;

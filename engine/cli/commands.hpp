@@ -13,6 +13,7 @@ void add_scatter(Program& program);
 void add_simulate(Program& program);
 void add_afferents(Program& program);
 void add_run(Program& program);
+void add_play(Program& program);
 void add_export(Program& program);
 void add_link(Program& program);
 void add_calibrate(Program& program);

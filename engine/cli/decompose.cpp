@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "geometry/gltf/write.hpp"
 #include "line/values.hpp"
-#include "setup/options.hpp"
-#include "setup/progress.hpp"
+#include "setup/options/options.hpp"
+#include "setup/process/progress.hpp"
 
 namespace palpa::cli {
 namespace {

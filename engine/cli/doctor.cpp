@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/board_eeprom.hpp"
@@ -16,7 +16,7 @@
 #include "line/together.hpp"
 #include "line/values.hpp"
 #include "session/control/osc_message.hpp"
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 
 namespace palpa::cli {
 namespace {

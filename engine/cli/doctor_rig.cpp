@@ -10,9 +10,9 @@
 #include "sensing/find_target.hpp"
 #include "sensing/rig_toml.hpp"
 #include "session/links/sources.hpp"
-#include "setup/frames.hpp"
+#include "setup/sessions/frames.hpp"
+#include "setup/sessions/tracker.hpp"
 #include "setup/tasks/rig_check.hpp"
-#include "setup/tracker.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "cli/command.hpp"
 #include "cli/doctor.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::cli {
 

@@ -11,20 +11,20 @@
 #include <string>
 #include <vector>
 
-#include "array/nulls.hpp"
+#include "array/nulls/nulls.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
-#include "setup/drive_file.hpp"
-#include "setup/nulls.hpp"
-#include "setup/options.hpp"
-#include "setup/pattern_file.hpp"
-#include "setup/progress.hpp"
+#include "setup/files/drive_file.hpp"
+#include "setup/files/pattern_file.hpp"
+#include "setup/options/nulls.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
 #include "setup/tasks/foci.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {

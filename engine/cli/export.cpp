@@ -9,14 +9,14 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "line/option_table.hpp"
 #include "line/values.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/progress.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/process/progress.hpp"
 #include "setup/tasks/export_played.hpp"
 
 namespace palpa::cli {

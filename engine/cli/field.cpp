@@ -9,21 +9,21 @@
 #include <string>
 #include <vector>
 
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/memory.hpp"
-#include "base/output_file.hpp"
+#include "base/system/memory.hpp"
 #include "cli/commands.hpp"
 #include "cli/field_picture.hpp"
 #include "geometry/files/vtu.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
-#include "setup/nulls.hpp"
-#include "setup/options.hpp"
-#include "setup/places.hpp"
-#include "setup/progress.hpp"
+#include "setup/options/nulls.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/places.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/touch_run.hpp"
 #include "setup/tasks/foci.hpp"
-#include "setup/touch_run.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {

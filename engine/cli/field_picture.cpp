@@ -9,14 +9,14 @@
 #include <string_view>
 #include <vector>
 
-#include "array/directivity.hpp"
-#include "base/memory.hpp"
+#include "array/field/directivity.hpp"
+#include "base/system/memory.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
 #include "drawing/field_picture.hpp"
 #include "drawing/line_picture.hpp"
 #include "drawing/png.hpp"
-#include "setup/places.hpp"
+#include "setup/options/places.hpp"
 
 namespace palpa::cli {
 namespace {

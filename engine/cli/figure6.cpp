@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/words.hpp"
 #include "cli/simulate.hpp"
 #include "drawing/arrange.hpp"
-#include "setup/progress.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
 #include "setup/tasks/simulate_picture.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "setup/interrupt.hpp"
+#include "setup/process/interrupt.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -14,20 +15,20 @@
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "line/values.hpp"
 #include "session/clock.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/live_run.hpp"
-#include "setup/options.hpp"
-#include "setup/warnings.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -179,7 +180,15 @@ void check_compare(const LinkCommand& o, const array::Layout& layout, const std:
     throw bad_usage(fmt::format("--compare needs two boards, and the layout {} has {}", name,
                                 counted(layout.boards.size(), "board")));
   }
-  setup::refuse_place(layout, place_of(o.compare), "--compare");
+  const Vec3 place = place_of(o.compare);
+  setup::refuse_place(layout, place, "--compare");
+  for (std::size_t b = 0; b < layout.boards.size(); ++b) {
+    if (transform_point(glm::inverse(layout.boards[b].T_layout_board), place).z > 0) continue;
+    throw bad_usage(
+        fmt::format("--compare {} is behind board {} of the layout {}, which a microphone hardly hears there: "
+                    "give a place in front of all boards",
+                    o.compare, b + 1, name));
+  }
 }
 
 void run_link(const Extensions& extensions, const LinkCommand& o) {

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/reference.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/reference.hpp"
 #include "base/version.hpp"
 #include "cli/commands.hpp"
 #include "cli/help.hpp"
 #include "line/parse.hpp"
-#include "setup/program.hpp"
+#include "setup/process/program.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -30,6 +30,7 @@ void parse_and_run(int argc, const char* const* argv, const Extensions& extensio
   add_doctor(program);
   add_touch(program);
   add_run(program);
+  add_play(program);
   add_export(program);
   add_link(program);
   add_calibrate(program);

@@ -17,23 +17,23 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "cli/calibrate.hpp"
 #include "cli/keys.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
 #include "session/threads.hpp"
-#include "setup/assets.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
-#include "setup/progress.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/options/options.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/tracker.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/register_tracker.hpp"
-#include "setup/tracker.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -8,17 +8,17 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "cli/run_line.hpp"
 #include "line/values.hpp"
 #include "session/session.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/live_run.hpp"
-#include "setup/options.hpp"
-#include "setup/progress.hpp"
-#include "setup/warnings.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -42,7 +42,7 @@ void report(const RunCommand& o, const Outputs& outputs, const session::LoopStat
   if (o.stats == StatsFormat::json) {
     if (o.common.json != "-") write_file("-", session::to_json(stats));
   } else if (setup::shows_summary(o.common, outputs)) {
-    write_file("-", setup::summary(stats, o.record));
+    write_file("-", setup::summary(stats, o.record, o.safety.ceiling));
   }
 }
 

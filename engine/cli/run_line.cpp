@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "base/log.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "base/text.hpp"
 #include "session/threads.hpp"
-#include "setup/progress.hpp"
+#include "setup/process/progress.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -11,14 +11,14 @@
 
 #include "acoustics/bodies/rigid_body.hpp"
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "cli/commands.hpp"
 #include "line/values.hpp"
-#include "setup/options.hpp"
-#include "setup/places.hpp"
-#include "setup/progress.hpp"
-#include "setup/warnings.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/places.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
 
 namespace palpa::cli {
 namespace {

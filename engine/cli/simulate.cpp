@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
 #include "cli/commands.hpp"
@@ -17,12 +17,12 @@
 #include "drawing/arrange.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
-#include "setup/assets.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
-#include "setup/progress.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/load.hpp"
 #include "setup/tasks/simulate_picture.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {

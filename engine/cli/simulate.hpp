@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "setup/tasks/simulate.hpp"
 
 namespace palpa::cli {

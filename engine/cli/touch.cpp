@@ -7,19 +7,19 @@
 #include <utility>
 
 #include "array/schedule.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/felt.hpp"
 #include "line/values.hpp"
-#include "setup/load.hpp"
-#include "setup/nearest_skin.hpp"
-#include "setup/progress.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/nearest_skin.hpp"
+#include "setup/sessions/touch_input.hpp"
 #include "setup/tasks/touch.hpp"
-#include "setup/touch_input.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/output_file.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/output_file.hpp"
 
 namespace palpa::drawing {
 namespace {

@@ -9,7 +9,7 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "drawing/arrange.hpp"
 #include "drawing/line_picture.hpp"
-#include "setup/finger_picture.hpp"
+#include "setup/files/finger_picture.hpp"
 
 namespace palpa::experiment {
 namespace {

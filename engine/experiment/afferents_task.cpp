@@ -6,12 +6,12 @@
 #include <iterator>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/words.hpp"
 #include "experiment/level.hpp"
 #include "experiment/touch_patterns.hpp"
 #include "geometry/haptics.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::experiment {
 

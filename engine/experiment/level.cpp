@@ -7,8 +7,8 @@
 #include "base/error.hpp"
 #include "experiment/response_cache.hpp"
 #include "experiment/touch_patterns.hpp"
-#include "setup/assets.hpp"
-#include "setup/load.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::experiment {
 

@@ -12,14 +12,14 @@
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
-#include "array/played.hpp"
+#include "array/layouts/played.hpp"
 #include "base/activity.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "experiment/level.hpp"
 #include "experiment/response_cache.hpp"
 #include "experiment/touch_patterns.hpp"
 #include "observer/placements.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::experiment {
 namespace {
@@ -104,7 +104,7 @@ double played_part(const array::Layout& layout, double ceiling) {
   const double full_pa = std::abs(acoustics::pressure_at(layout, drive, focus.position));
   for (array::TransducerDrive& transducer : drive)
     transducer.amplitude *= static_cast<float>(ceiling);
-  array::BoardPlay(layout).round(drive, ceiling, array::Round::nearest);
+  array::BoardPlay(layout).round(drive, ceiling);
   return std::abs(acoustics::pressure_at(layout, drive, focus.position)) / full_pa;
 }
 

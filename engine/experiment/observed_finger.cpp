@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "setup/body.hpp"
+#include "setup/files/body.hpp"
 
 namespace palpa::experiment {
 namespace {

@@ -13,7 +13,7 @@
 #include "geometry/mesh/mesh.hpp"
 #include "observer/afferents/skin_load.hpp"
 #include "observer/afferents/skin_sites.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::experiment {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/cache_file.hpp"
+#include "base/files/cache_file.hpp"
 #include "experiment/touch_patterns.hpp"
 #include "observer/responses.hpp"
 

@@ -13,9 +13,9 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/field/incident.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
-#include "setup/touch_input.hpp"
-#include "setup/touch_run.hpp"
+#include "base/system/parallel.hpp"
+#include "setup/sessions/touch_input.hpp"
+#include "setup/sessions/touch_run.hpp"
 
 namespace palpa::experiment {
 namespace {

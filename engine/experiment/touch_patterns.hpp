@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "experiment/observed_finger.hpp"
 #include "geometry/solid.hpp"
@@ -37,8 +37,8 @@ struct TouchPattern {
 
 /// One for each plan: the radiation pressure of each of its drives (Langevin) on the faces of the finger's sites. The
 /// plans are for this layout, which is in the world, and their drives are listed; a plan without drives has no maps.
-/// Throws bad_input if the finger stands within the array, GivenUp (base/parallel.hpp) soon after `give_up` became
-/// true.
+/// Throws bad_input if the finger stands within the array, GivenUp (base/system/parallel.hpp) soon after `give_up`
+/// became true.
 std::vector<TouchPattern> patterns_of(ObservedFinger& finger, const Transform& T_world_finger,
                                       const array::Layout& layout, std::span<const session::Plan> plans,
                                       array::Directivity directivity, const std::atomic<bool>* give_up = nullptr);

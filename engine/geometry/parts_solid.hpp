@@ -18,7 +18,7 @@ std::vector<std::pair<std::size_t, Solid>> solids_of_parts(const Scene& scene);
 
 /// Replaces a solid's surface by convex parts of its mesh, with a warning if they fill a cavity. Returns false if
 /// cancelled; the solid is then unchanged. Throws as decompose() does, naming the solid. Results are cached
-/// (base/cache_file.hpp).
+/// (base/files/cache_file.hpp).
 bool use_parts(Solid& solid, const DecomposeOptions& options, const Progress& progress = {});
 
 }  // namespace palpa::geometry

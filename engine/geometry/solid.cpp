@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "base/activity.hpp"
-#include "base/cache_file.hpp"
 #include "base/error.hpp"
+#include "base/files/cache_file.hpp"
 #include "base/log.hpp"
 #include "geometry/mesh/topology.hpp"
 #include "geometry/parts_solid.hpp"

@@ -58,9 +58,9 @@ double depth(const Solid& solid, const Vec3& point);
 /// touching itself or folded (two triangles), unless `kind` is parts; a shell inside another that faces the same way.
 /// Meshes that would cost too much to check are also refused (docs/limits.md).
 ///
-/// Results for a large mesh are cached (base/cache_file.hpp), and results for the first of many rigid copies hold for
-/// all (rigid_copies.hpp). Nodes that are marked as convex parts (palpa decompose writes them) become solids of parts
-/// for any `kind`; for their errors see parts_solid.hpp.
+/// Results for a large mesh are cached (base/files/cache_file.hpp), and results for the first of many rigid copies hold
+/// for all (rigid_copies.hpp). Nodes that are marked as convex parts (palpa decompose writes them) become solids of
+/// parts for any `kind`; for their errors see parts_solid.hpp.
 std::vector<Solid> make_solids(const Scene& scene, SurfaceKind kind = SurfaceKind::mesh);
 
 /// The input of decompose(): as make_solids(scene, SurfaceKind::parts), but a mesh that is non-manifold, inconsistently

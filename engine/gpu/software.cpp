@@ -10,8 +10,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/memory_limits.hpp"
-#include "base/parallel.hpp"
+#include "base/system/memory_limits.hpp"
+#include "base/system/parallel.hpp"
 #include "base/text.hpp"
 
 namespace palpa::gpu {

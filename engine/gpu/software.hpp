@@ -16,7 +16,7 @@ bool is_software(const DeviceDescription& device);
 /// the driver is loaded. `threads` is the number of the device's own threads.
 std::uint64_t software_device_bytes(unsigned threads);
 
-/// Why the limits of this process (base/memory_limits.hpp) prevent it from using the device, which is a software
+/// Why the limits of this process (base/system/memory_limits.hpp) prevent it from using the device, which is a software
 /// device; empty if they do not.
 std::string lacking_room(const DeviceDescription& device);
 /// Throws failure() with that reason.

@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "base/normal.hpp"
-#include "base/parallel.hpp"
 #include "base/random.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::observer {
 namespace {

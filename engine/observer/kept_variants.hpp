@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "base/cache_file.hpp"
+#include "base/files/cache_file.hpp"
 #include "observer/prediction.hpp"
 
 namespace palpa::observer {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "observer/afferents/skin_sites.hpp"
 
 namespace palpa::observer {

@@ -26,6 +26,7 @@ struct FrameSet {
   bool tracked = false;           ///< of a tracker, which may see no hand; there are no images
   std::vector<SkinPoint> points;  ///< of a program that knows where skin is, world; indices ascend
   bool pushed = false;            ///< of such a program, which may see no skin
+  bool in_doubt = false;          ///< of a tracker: hands were left out because they may be wrong
   double time_s = 0;              ///< the oldest capture time of the frames
   std::uint64_t sequence = 0;     ///< counts from 0; gaps are frames that the source dropped
 

@@ -12,8 +12,8 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/output_file.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/output_file.hpp"
 #include "base/text.hpp"
 
 // libpng reports errors by longjmp. Functions that it may jump out of hold no objects with destructors; their callers

@@ -8,11 +8,11 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/lines.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/lines.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/reference.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
-#include "base/reference.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "sensing/grey_png.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "sensing/depth_source.hpp"
 
 namespace palpa::sensing {

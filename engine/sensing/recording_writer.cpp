@@ -6,8 +6,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/recording.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rays.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/reference.hpp"
-#include "base/toml.hpp"
+#include "base/files/reference.hpp"
+#include "base/files/toml.hpp"
 #include "sensing/camera.hpp"
 
 namespace palpa::sensing {

@@ -12,8 +12,8 @@
 #include <thread>
 #include <utility>
 
-#include "base/parallel.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/parallel.hpp"
+#include "base/system/start_thread.hpp"
 #include "session/threads.hpp"
 
 namespace palpa::session {

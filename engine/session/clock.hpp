@@ -11,7 +11,7 @@
 #include <thread>
 #include <utility>
 
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 
 namespace palpa::session {
 

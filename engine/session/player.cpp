@@ -7,7 +7,8 @@
 namespace palpa::session {
 
 Player::Player(Link& link, const OutputSetting& setting)
-    : setting_(setting), safe_(link, setting.layout.transducers.size(), setting.safety, setting.slot_s) {
+    : setting_(setting),
+      safe_(link, setting.layout.transducers.size(), setting.safety, setting.slot_s, {}, setting.drive) {
   scratch_.reserve(setting);
   nothing_.slot_s = setting.slot_s;
 }

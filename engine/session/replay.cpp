@@ -5,7 +5,7 @@
 
 #include "array/loudness.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "session/player.hpp"
 #include "session/predict/capture_times.hpp"
 
@@ -97,7 +97,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
         player.play_until(player.slot_at(time_s), session.plan(), stop);
       }
       times.see(set.time_s);
-      const touch::Touch& touch = set.tracked ? session.touch(set.capsules, time_s, player.next_slot())
+      const touch::Touch& touch = set.tracked ? session.touch(set.capsules, time_s, player.next_slot(), set.in_doubt)
                                               : session.touch(set.frames, time_s, player.next_slot());
       ++stats.frames;
       stats.touching += touch.finger_count > 0 ? 1 : 0;

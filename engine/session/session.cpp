@@ -327,9 +327,11 @@ const touch::Touch& Session::touch(std::span<const sensing::DepthFrame> images, 
   return state_->touch({.images = images, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
-const touch::Touch& Session::touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot) {
+const touch::Touch& Session::touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot,
+                                   bool in_doubt) {
   if (!state_->setting.tracked) throw bad_usage("a session without a tracker takes no hands");
-  return state_->touch({.capsules = hands, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
+  return state_->touch(
+      {.capsules = hands, .in_doubt = in_doubt, .time_s = time_s, .captured_s = time_s, .first_slot = first_slot});
 }
 
 std::span<const Event> Session::events() const {

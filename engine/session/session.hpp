@@ -72,8 +72,9 @@ class Session {
   /// predicted slot by slot from the first slot on, or without one, for the middle of their cycle.
   const touch::Touch& touch(std::span<const sensing::DepthFrame> images, double time_s,
                             std::optional<std::uint64_t> first_slot = {});
-  /// The same for the hands of a tracker, as DepthSource::next returns them.
-  const touch::Touch& touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot);
+  /// The same for the hands of a tracker, as DepthSource::next returns them. `in_doubt`: others were left out.
+  const touch::Touch& touch(std::span<const sensing::Capsule> hands, double time_s, std::uint64_t first_slot,
+                            bool in_doubt = false);
 
   /// The events of the frame.
   std::span<const Event> events() const;

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <span>
 
-#include "base/parallel.hpp"
 #include "base/random.hpp"
+#include "base/system/parallel.hpp"
 #include "study/statistics/proportions.hpp"
 #include "study/statistics/wilcoxon.hpp"
 

@@ -20,7 +20,7 @@
 #include "acoustics/compressed/hierarchical_matrix.hpp"
 #include "acoustics/field/waves.hpp"
 #include "acoustics/rigs.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "support/exhaustive.hpp"
 #include "support/instrumented.hpp"

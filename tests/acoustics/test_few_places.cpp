@@ -9,7 +9,7 @@
 #include "acoustics/bodies/few_places.hpp"
 #include "acoustics/field/waves.hpp"
 #include "acoustics/rigs.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/mesh/icosphere.hpp"
 
 namespace palpa::acoustics {

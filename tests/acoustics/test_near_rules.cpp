@@ -11,7 +11,7 @@
 #include "acoustics/boundary/dense_lu.hpp"
 #include "acoustics/boundary/near_rules.hpp"
 #include "acoustics/elements/triangle_rules.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

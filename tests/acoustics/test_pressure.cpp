@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 #include "array/levitate.hpp"
 
 namespace palpa::acoustics {

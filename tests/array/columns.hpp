@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "array/drive_options.hpp"
-#include "array/free_field.hpp"
+#include "array/field/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/solvers/hearing.hpp"
 #include "focus_sets.hpp"

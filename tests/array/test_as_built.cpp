@@ -1,4 +1,4 @@
-#include "array/as_built.hpp"
+#include "array/layouts/as_built.hpp"
 
 #include <gtest/gtest.h>
 

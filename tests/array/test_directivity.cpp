@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 
 namespace palpa::array {
 namespace {

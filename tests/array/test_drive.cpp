@@ -7,7 +7,9 @@
 #include <numbers>
 #include <random>
 
+#include "array/drive.hpp"
 #include "array/free_drives.hpp"
+#include "array/nulls/nulls.hpp"
 #include "array/slot_drives.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"

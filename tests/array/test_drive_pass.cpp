@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "array/drive.hpp"
-#include "array/farthest.hpp"
+#include "array/field/farthest.hpp"
 #include "backends.hpp"
 #include "base/error.hpp"
 #include "gpu/barrier.hpp"

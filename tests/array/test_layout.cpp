@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "array/farthest.hpp"
+#include "array/field/farthest.hpp"
 #include "array/layouts/builtin_layouts.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"

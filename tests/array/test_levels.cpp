@@ -7,10 +7,10 @@
 #include <complex>
 #include <vector>
 
-#include "array/free_field.hpp"
+#include "array/field/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/levels.hpp"
-#include "array/many_foci.hpp"
+#include "array/pressures/many_foci.hpp"
 
 namespace palpa::array {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa {

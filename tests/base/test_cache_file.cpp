@@ -1,5 +1,5 @@
 // The cache returns only what was stored, whatever has happened to its files.
-#include "base/cache_file.hpp"
+#include "base/files/cache_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "support/ordinary_user.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

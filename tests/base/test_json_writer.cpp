@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 
 namespace palpa {
 namespace {

@@ -1,4 +1,4 @@
-#include "base/kept_from_forks.hpp"
+#include "base/system/kept_from_forks.hpp"
 
 #include <gtest/gtest.h>
 #include <poll.h>

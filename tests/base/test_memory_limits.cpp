@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "base/memory.hpp"
-#include "base/memory_limits.hpp"
+#include "base/system/memory.hpp"
+#include "base/system/memory_limits.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 

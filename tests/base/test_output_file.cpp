@@ -1,5 +1,5 @@
 // Complete files: a reader gets the old one or the new one, whatever happens in between.
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/ordinary_user.hpp"
 #include "support/shared_data.hpp"

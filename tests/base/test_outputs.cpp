@@ -1,5 +1,5 @@
 // No file that was read is overwritten, and only declared files are written.
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/output_file.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/output_file.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

@@ -1,4 +1,4 @@
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // References between files stay inside the folder of the file that names them, whatever the path consists of.
-#include "base/reference.hpp"
+#include "base/files/reference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

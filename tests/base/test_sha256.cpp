@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "base/version.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"

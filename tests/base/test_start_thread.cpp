@@ -1,5 +1,5 @@
 // When the system gives no threads: one line says what is missing, and parts that can do without threads continue.
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -14,7 +14,7 @@
 #include <functional>
 #include <string>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "support/instrumented.hpp"
 #include "support/thrown.hpp"
 

@@ -1,4 +1,4 @@
-#include "base/stream_writer.hpp"
+#include "base/files/stream_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"

@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "base/files/without_folders.hpp"
 #include "base/text.hpp"
-#include "base/without_folders.hpp"
 
 namespace palpa {
 namespace {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "base/toml.hpp"
+#include "base/files/toml.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

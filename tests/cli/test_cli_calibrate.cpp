@@ -22,7 +22,7 @@
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
 #include "sensing/target.hpp"
-#include "setup/target_mount.hpp"
+#include "setup/options/target_mount.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/told.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/board_mesh.hpp"
 #include "array/layouts/layout.hpp"
 #include "cli/support/boxes.hpp"

@@ -78,6 +78,28 @@ TEST_F(CliStudy, WarnsOfWhatIsLeftOut) {
   EXPECT_EQ(report_of({"study", "analyse", folder_})["left_out"].size(), 1u);
 }
 
+TEST_F(CliStudy, WarningsInReportsNameFilesWithoutTheFoldersOfThisComputer) {
+  for (const std::string study : {"one/mine", "two/mine"}) {
+    write_ten(folder_ / study);
+    std::filesystem::create_directory(folder_ / study / "sub-x");
+  }
+  write_text(folder_ / "counts.csv", "actual,a,b\na,1,2\nb,3,4");
+  const std::string fault = ": is not a participant with a number, such as sub-7; it is left out";
+  const auto lines = [&](std::vector<std::string> line) {
+    line.insert(line.end(), {"--html", path("report.html"), "--csv", path("report.csv")});
+    const json result = report_of(line);
+    EXPECT_EQ(result.dump().find(folder_.string()), std::string::npos);
+    for (const char* file : {"report.html", "report.csv"})
+      EXPECT_EQ(read_text(path(file)).find(folder_.string()), std::string::npos) << file;
+    return result["left_out"];
+  };
+  EXPECT_EQ(lines({"study", "analyse", path("one/mine") + "/"}), json({"mine/sub-x" + fault}));
+  EXPECT_EQ(lines({"study", "compare", path("one/mine"), path("two/mine")}),
+            json({"one/mine/sub-x" + fault, "two/mine/sub-x" + fault}));
+  EXPECT_EQ(lines({"study", "analyse", path("counts.csv")}),
+            json({"counts.csv: line 3 has no end: check that the file is complete"}));
+}
+
 TEST_F(CliStudy, ComparesAnythingWithAnything) {
   write_text(folder_ / "single.csv", single);
   write_ten(folder_ / "mine");
@@ -191,6 +213,46 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
     EXPECT_CONTAINS(palpa_here(line).out, "with equal amplitudes");
   }
   EXPECT_GT(std::abs(with_node("", "[0,0.04,0.06]") - predicted["level_db"].get<double>()), 0.3);
+}
+
+/// The least depths of a spring may be silent, but not all of them.
+TEST_F(CliStudy, ASpringThatIsSilentAtEveryDepthOfThePlanIsRefused) {
+  const OwnCache cache(folder_ / "cache");
+  write_tetrahedron(folder_ / "corners.bin");
+  write_scene(folder_ / "plain.gltf", "corners.bin");
+  const auto write_spring = [&](const std::string& rows) {
+    std::string model = read_text(folder_ / "plain.gltf");
+    const std::string node = "{\"mesh\":0}";
+    model.replace(model.find(node), node.size(),
+                  "{\"mesh\":0,\"scale\":[0.2,0.2,0.2],\"extras\":{\"palpa_stiffness\":[" + rows + "]}}");
+    write_text(folder_ / "spring.gltf", model);
+  };
+  write_plan("spring.gltf", "layout = \"openmpd\"\n[run]\ndeep_mm = 10\n[level]\nceiling = 0.05\n");
+  const std::vector<std::string> line{"study", "plan", path("plan.toml")};
+  for (const char* silent : {"0, 0.05, 0.01, 0.2", "0, 0.01, 0.02, 0.47"}) {
+    write_spring(silent);
+    expect_refused(line, {{{}, "times the intensity at its stiffest", 2}});
+  }
+  for (const char* sounds : {"0, 0.05, 0.01, 0.25", "0, 1, 0.01, 0", "0, 0, 0.02, 0.5"}) {
+    write_spring(sounds);
+    const Result result = palpa_here(line);
+    EXPECT_EQ(result.exit_code, 0) << sounds << result.err;
+  }
+}
+
+/// The level at which a force is reached does not depend on the ceiling of the plan, nor on steps of amplitudes there.
+TEST_F(CliStudy, ThePapersForceHasTheSameLevelAtEveryCeiling) {
+  const OwnCache cache(folder_ / "cache");
+  std::vector<std::string> told;
+  for (const char* ceiling : {"0.03", "0.04", "0.5"}) {
+    write_plan("palpa:semi-sphere.glb", std::string("layout = \"openmpd\"\n[level]\nceiling = ") + ceiling + "\n");
+    const std::string text = palpa_here({"study", "plan", path("plan.toml")}).out;
+    const std::size_t at = text.find("the paper's force");
+    ASSERT_NE(at, std::string::npos);
+    told.push_back(text.substr(at, text.find('\n', at) - at));
+  }
+  EXPECT_EQ(told[0], told[1]);
+  EXPECT_EQ(told[0], told[2]);
 }
 
 /// What a plan names is read before people come.

@@ -8,7 +8,7 @@
 
 #include "experiment/afferents_task.hpp"
 #include "experiment/skin_rates.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
 

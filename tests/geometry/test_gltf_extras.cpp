@@ -209,16 +209,20 @@ TEST(Extras, AMisspeltKeyIsAWarningWithAGuess) {
   EXPECT_CONTAINS(extras_warnings_of({{"palpa_touchabel", false}}),
                   "palpa does not know \"palpa_touchabel\"; did you mean \"palpa_touchable\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"Foci", 8}}}}), "did you mean \"foci\"?");
+  EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"palpa_foci", 8}}}}), "did you mean \"foci\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"colour", "red"}}}}), "known are touchable, delta_m");
   for (const char* key : {"palpa-foci", "palpaFoci", "Palpa_foci", "palpa.foci", "palpafoci", "palpa foci",
-                          "PALPA_FOCI", "palpa:foci", "Palpa Foci"}) {
+                          "PALPA_FOCI", "palpa:foci", "Palpa Foci", " palpa_foci", "\tpalpa_foci", "_palpa_foci",
+                          "palpa_foci ", "\u00A0palpa_foci", "\uFEFFpalpa_foci", " Palpa foci"}) {
     EXPECT_CONTAINS(extras_warnings_of({{key, 8}}), "did you mean \"palpa_foci\"?") << key;
   }
   EXPECT_CONTAINS(extras_warnings_of({{"palpa-press-depth-m", 0.003}}), "did you mean \"palpa_press_depth_m\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"palpaPressDepth", 0.003}}), "did you mean \"palpa_press_depth_m\"?");
   EXPECT_CONTAINS(extras_warnings_of({{"Palpa-colour", "red"}}), "known are touchable, delta_m");
   EXPECT_CONTAINS(extras_warnings_of({{"palpa", {{"pressDepthM", 1}}}}), "did you mean \"press_depth_m\"?");
-  EXPECT_EQ(extras_warnings_of({{"palpable", true}, {"palpation", 3}, {"my_palpa_foci", 8}}), "");
+  for (const char* group : {" palpa", "Palpa", "palpa:"})
+    EXPECT_CONTAINS(extras_warnings_of({{group, {{"foci", 8}}}}), "did you mean \"palpa\"?") << group;
+  EXPECT_EQ(extras_warnings_of({{"palpable", true}, {"palpation", 3}, {"my_palpa_foci", 8}, {" ", 1}, {"", 2}}), "");
   // A file full of them prints only a few lines.
   Json many;
   for (int i = 0; i < 1000; ++i)
@@ -249,10 +253,30 @@ TEST(Extras, ExtrasElsewhereAreAWarningWithTheirPlace) {
        [&](Json& doc) {
          doc["extras"] = {{"palpa", {{"foci", 8}}}};
        }},
-      {"mesh 0, primitive", [&](Json& doc) { doc["meshes"][0]["primitives"][0]["extras"] = extras; }},
+      {"mesh 0, primitive 0", [&](Json& doc) { doc["meshes"][0]["primitives"][0]["extras"] = extras; }},
       {"camera 1",
        [&](Json& doc) {
          doc["cameras"] = {Json::object(), {{"extras", {{"palpaFoci", 8}}}}};
+       }},
+      {"asset", [&](Json& doc) { doc["asset"]["extras"] = extras; }},
+      {"accessor 0", [&](Json& doc) { doc["accessors"][0]["extras"] = extras; }},
+      {"bufferView 0", [&](Json& doc) { doc["bufferViews"][0]["extras"] = extras; }},
+      {"extensions, KHR_lights_punctual, light 1",
+       [&](Json& doc) {
+         doc["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}},
+                                                               {{"type", "point"}, {"extras", {{" palpa_foci", 8}}}}};
+       }},
+      {"node 0, extensions, KHR_lights_punctual",
+       [&](Json& doc) {
+         doc["nodes"][0]["extensions"]["KHR_lights_punctual"] = {{"light", 0}, {"extras", extras}};
+       }},
+      {"animation 0, channel 0",
+       [&](Json& doc) {
+         doc["animations"] = {{{"channels", {{{"extras", extras}}}}, {"samplers", Json::array()}}};
+       }},
+      {"mesh 0, primitive 0, target 0",
+       [&](Json& doc) {
+         doc["meshes"][0]["primitives"][0]["targets"] = {{{"extras", extras}}};
        }},
   };
   for (const auto& [place, change] : table) {
@@ -260,6 +284,17 @@ TEST(Extras, ExtrasElsewhereAreAWarningWithTheirPlace) {
     change(builder.doc);
     EXPECT_CONTAINS(warnings_of(builder), place + belong);
   }
+  for (const std::string list : {"animation", "skin", "texture", "sampler", "image", "material"}) {
+    GltfBuilder builder = cube_with(Json::object());
+    builder.doc[list + "s"] = {{{"extras", extras}}};
+    EXPECT_CONTAINS(warnings_of(builder), list + " 0" + belong);
+  }
+  GltfBuilder packed = cube_with(Json::object());
+  packed.doc["buffers"] = {{{"byteLength", packed.bin.size()}, {"extras", extras}}};
+  EXPECT_CONTAINS(warnings_of(packed), "buffer 0" + belong);
+  Json own = {{"palpa_foci", 8}, {"other", {{"extras", extras}}}};
+  own["list"] = {{{"extras", extras}}};
+  EXPECT_EQ(extras_warnings_of(own), "") << "what other programs keep in the node's extras";
 }
 
 TEST(Extras, ChildrenInheritValueByValue) {

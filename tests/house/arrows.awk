@@ -3,7 +3,7 @@
 #   awk -f tests/house/arrows.awk FILE...      (paths from the project's root)
 
 BEGIN {
-  split("base line drawing gpu geometry sensing touch array acoustics study observer session setup experiment bench cli", floor_names)
+  split("base line drawing gpu geometry sensation sensing touch array acoustics study observer session setup experiment bench cli", floor_names)
   for (i in floor_names) floor_of[floor_names[i]] = i + 0
 
   # driver/ uses the engine only through its small interfaces.
@@ -14,21 +14,21 @@ BEGIN {
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
-  interface["cli/command.hpp"] = interface["setup/options.hpp"] = interface["line/values.hpp"] = 1  # its commands
+  interface["cli/command.hpp"] = interface["setup/options/options.hpp"] = interface["line/values.hpp"] = 1  # its commands
   interface["array/transducer_drive.hpp"] = interface["array/layouts/layout.hpp"] = interface["array/schedule.hpp"] = 1
   interface["array/layouts/board_types.hpp"] = 1  # what a board can play
   interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # the sound of an emulator's bytes
 
   # The folders of a library, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the library's top.
-  order("array", "transducer_drive constraint medium directivity null drive_options layouts transfer split_rows turns free_field solvers .")
+  order("array", "transducer_drive medium layouts field drive_options solvers nulls pressures .")
   order("touch", "types stage_setting capacity pass_watch contacts points fingers methods .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")
   order("session", "clock newest threads answer_thread links watch predict plan loop previews . control")
   order("study", "statistics tables pages plan files sitting . report")
   order("observer", "afferents . predicted")
-  order("setup", ". tasks")
+  order("setup", "process files options sessions tasks")
   order("cli", ". study")
   order("viewer", "view picture hands render sound live study options panel_data panels app window run .")
   bad = 0

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 """files.py FILE...: palpa opens, makes, moves and removes files in a few places only, each of which asks whether it may
-(engine/base/outputs.hpp) or touches nothing that is anybody's. Whatever else does is reported.
+(engine/base/files/outputs.hpp) or touches nothing that is anybody's. Whatever else does is reported.
 """
 import re
 import sys
 
 # Place: its purpose, and the reason if it need not ask.
 PLACES = {
-    "engine/base/output_file.cpp": "the one place that opens what is written; asks whether it may",
-    "engine/base/input_file.cpp": "the one place that opens what is read; asks whether it may",
-    "engine/base/cache_file.cpp": "the cache, palpa's own: never a user's file",
-    "engine/base/memory.cpp": "/proc", "engine/base/memory_limits.cpp": "/proc and /sys", "engine/base/start_thread.cpp": "/proc and /sys",
+    "engine/base/files/output_file.cpp": "the one place that opens what is written; asks whether it may",
+    "engine/base/files/input_file.cpp": "the one place that opens what is read; asks whether it may",
+    "engine/base/files/cache_file.cpp": "the cache, palpa's own: never a user's file",
+    "engine/base/system/memory.cpp": "/proc", "engine/base/system/memory_limits.cpp": "/proc and /sys", "engine/base/system/start_thread.cpp": "/proc and /sys",
     "engine/gpu/patience.cpp": "/proc", "engine/bench/bench.cpp": "/proc", "engine/bench/surface.cpp": "/proc",
     "engine/geometry/parts/convex_hull.cpp": "/dev/null",
     "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made and the recording that it replaces",
-    "engine/setup/program.cpp": "/dev/null",
+    "engine/setup/process/program.cpp": "/dev/null",
     "engine/study/sitting/participant_folder.cpp": "makes the folders of a participant, and removes temporary files from them", "engine/study/sitting/withdrawal.cpp": "erases a participant who withdraws",
     "viewer/run/film.cpp": "makes its folder", "viewer/options/preferences.cpp": "makes the folder of the settings, palpa's own",
     "driver/guard/channel.cpp": "memory without a name, shared with the guard", "driver/guard/process.cpp": "/dev/null",
@@ -48,7 +48,7 @@ def main():
             seen.add(name)
         elif name.replace(".hpp", ".cpp") not in PLACES:
             for line, way in found:
-                print(f"   {name}:{line}: {way}: open files through base/input_file.hpp and base/output_file.hpp or stream_writer.hpp, "
+                print(f"   {name}:{line}: {way}: open files through base/files/input_file.hpp and base/files/output_file.hpp or stream_writer.hpp, "
                       "or list the place with its reason in tests/house/files.py")
                 bad = 1
     for name in PLACES.keys() - seen:

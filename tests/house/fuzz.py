@@ -34,7 +34,7 @@ MOST_ADDRESSES = 6 << 30          # protects the machine that runs this
 STILL_S = 20                      # without using processor time: counts as a hang
 SECRET = "Zq7#vK%9xW@3jH&5"       # in files that no case may show
 COMMANDS = {"touch": 10, "drive": 8, "field": 4, "run": 6, "export": 5, "scatter": 3, "simulate": 1, "decompose": 2,
-            "calibrate": 3, "link test": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
+            "calibrate": 3, "link test": 3, "play": 3, "doctor": 0.2, "viewer": 2, "afferents": 0.5, **fuzz_study.COMMANDS}
 # The rest of a command's line: one of each of these alternatives. A word is one of its parts between |. <KIND is a file to read, >.ENDING
 # a place to write to, @NAME what Case.given() gives, ~ a space.
 LINES = {
@@ -50,6 +50,7 @@ LINES = {
     "calibrate": [["--nudge --keys right*2~enter|q|up*99999999|x| --scene <scene --source @source --frames 1|2|3 --rig <rig --out >.toml",
                    "--source @source --frames 1|2|3 --rig <rig --out >.toml", *["--target >.stl|>.glb --layout @layout"] * 2]],
     "link test": [["--link record:>.bin --layout @layout --first 0|0|1|-1 --last 1|1|2|-1 --each 1ms|1ms|2ms|0|nan --rest 1ms|1ms|2ms|0|nan"]],
+    "play": [["<sensation --duration 20ms|1ms|0|nan --csv >.csv"]],
     "doctor": [["--json >.json"]],
     "viewer": [["--headless --size 64x64 --screenshot >.png --scene <scene --points <points --penetration 1mm"]],
     "afferents": [["--scene <scene --duration 20ms|60ms|0|nan"]],
@@ -118,6 +119,7 @@ class Pool:
             "bag": [("b.bag", small_bag())],
             "plan": [("plan.toml", plan) for plan in plans],
             "pattern": [("pattern.toml", path.read_bytes()) for path in sorted((assets / "patterns").glob("*.toml"))],
+            "sensation": [("s.adaptics", path.read_bytes()) for path in sorted((assets / "sensations").glob("*.adaptics"))],
             "counts": [("counts.csv", counts) for counts in fuzz_study.COUNTS],
             "wav": fuzz_study.sounds(),
         }

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/files/sha256.hpp"
 #include "base/random.hpp"
-#include "base/sha256.hpp"
 #include "observer/comparison.hpp"
 #include "observer/decision.hpp"
 #include "observer/placements.hpp"

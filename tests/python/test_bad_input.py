@@ -162,6 +162,7 @@ def test_depth_images(cube):
     session = palpa.Session(cube, depth=True, camera=camera, backend="cpu")
     for bad, says in [(right.astype(np.int32), "the type int32"), (right[:, 1:], "the shape (240, 423)"), (right.astype(float), "the type float64"),
                       (np.zeros((240, 424, 3), np.uint16), "the shape (240, 424, 3)"), (np.zeros((240, 424, 1, 1), np.uint16), "the shape (240, 424, 1, 1)"),
+                      (right[:, None, :], "the shape (240, 1, 424)"), (right[None][:0], "the shape (0, 240, 424)"), (right.T[:, None, :], "the shape (424, 1, 240)"),
                       (right[0], "the shape (424,)"), (np.array(3, np.uint16), "the shape ()"), (right[:, :, None] > 1, "the type bool")]:
         for one in (bad, [bad]):
             assert says in message(ValueError, lambda: cube.touch(depth=one, camera=camera, backend="cpu"))

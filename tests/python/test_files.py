@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import palpa
+from commands import begins
 
 TAKE = "assets/depth/take"
 
@@ -81,6 +82,7 @@ def test_a_run_does_not_replace_the_file_of_an_earlier_one(cube, tmp_path, optio
     def run():
         session.start(frames=5)
         if options["source"] == "points":
+            begins(lambda: file.exists() and not file.read_bytes().startswith(b"replaced"))
             session.stop()
         session.wait()
 

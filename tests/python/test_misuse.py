@@ -103,6 +103,7 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
     session = palpa.Session(cube, backend="cpu")
     session.touch(finger, 0.0)
     live = palpa.Session(cube, source="points", layout="openmpd", backend="cpu")
+    ring, pattern = palpa.Sensation("circle"), (ASSETS / "sensations/circle.adaptics").read_text(encoding="utf-8")
     plan = folder / "plan.toml"
     plan.write_text('command = "drive"\n[options]\nfocus = "0,0,0.1"\nlayout = "openmpd"\n')
     palpa.sweep(plan, folder / "out", backend="cpu")
@@ -143,6 +144,9 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
         (palpa.learn_background, {"out": folder / "rig.toml", "source": "none", "frames": 10}, "learn_background"), (palpa.export, {"scene": cube, "source": "none", **cpu}, "export"),
         (palpa.export_played, {"played": folder / "played.json", "drives": folder / "drives.bin"}, "export_played"),
         (palpa.sweep, {"plan": plan, "out": folder / "out", "shard": (0, 1), "workers": 1, "client": None, "gpu": None, "after": None, **cpu}, None),
+        (palpa.Sensation, {"sensation": "circle"}, None), (ring.evaluate, {"times": [0, 1], "parameters": {"radius": 3}, "details": True, "seed": 0}, None),
+        (ring.set_matrix, {"matrix": np.eye(4)}, None), (ring.set_pattern, {"text": pattern}, None), (ring.newest, {"most": 3}, None),
+        (ring.start, {"time": 0.0, "delay": 0.0}, None), (ring.follow, {"on": True}, None),
         (palpa.gather, {"plan": plan, "out": folder / "out", "file": folder / "t.csv", "partial": False}, None),
     ]
 

@@ -159,6 +159,30 @@ session.stop()
     assert (done.returncode, done.stdout) == (0, "7\n"), (tmp_path / "errors").read_text()
 
 
+@pytest.mark.parametrize("end, code", [("sys.exit(7)", 7), ("sys.exit()", 0), ("raise SystemExit", 0), ("1 / 0", 1), ("pass", 0)])
+def test_a_fork_may_end_in_the_block_of_a_session(end, code):
+    """The run is the parent's. The block's own error counts, and nothing else is printed."""
+    code_of = f"""
+import os, sys, warnings, palpa
+warnings.simplefilter("ignore", DeprecationWarning)
+session = palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", backend="cpu")
+child = None
+with session:
+    session.start()
+    child = os.fork()
+    if child == 0:
+        {end}
+if child == 0:
+    sys.exit(0)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), session.running, flush=True)
+"""
+    done = python(code_of)
+    assert (done.returncode, done.stdout) == (0, f"{code} False\n")
+    assert ("ZeroDivisionError" in done.stderr) == (code == 1)
+    assert without_lateness(done.stderr) == "" or code == 1
+    assert "palpa.Error" not in done.stderr and "fork" not in done.stderr
+
+
 @pytest.mark.slow
 def test_a_fork_while_a_session_runs():
     """The child has no thread of the session. Whatever it does with its objects, the parent's run goes on."""

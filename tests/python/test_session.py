@@ -1,5 +1,6 @@
 """Sessions, frame by frame and live."""
 import gc
+import re
 import subprocess
 import sys
 import threading
@@ -252,6 +253,24 @@ def test_a_far_aim_is_warned_of(cube):
             session.set_aim([0, 0.05, 0])
 
 
+def test_nulls_near_a_focus_are_warned_of(cube, finger):
+    skin = pressed(finger, 2e-3)
+    focus = palpa.Session(cube, layout="openmpd", backend="cpu").touch(skin, 0).fingers[0].foci[0]
+    once = "--null: .*; this warning comes once"
+    alone = palpa.Session(cube, layout="openmpd", nulls=focus, backend="cpu")
+    with pytest.warns(palpa.PalpaWarning, match=once):
+        alone.touch(skin, 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        alone.touch(skin, 1 / 90)
+    pushed = palpa.Session(cube, source="points", layout="openmpd", nulls=focus, backend="cpu", hold=10)
+    with warnings.catch_warnings(record=True) as heard, pushed:
+        warnings.simplefilter("always")
+        pushed.start()
+        pushed.push_points(skin, 0)
+        begins(lambda: pushed.set_gain(1) or any(re.match(once, str(one.message)) for one in heard))
+
+
 def test_a_pose_holds_from_the_first_frame_on(cube, finger):
     far = np.eye(4)
     far[1, 3] = -1
@@ -354,10 +373,16 @@ def test_points_pushed_into_a_run(cube, finger, tmp_path):
     assert kinds[0] == "touch" and kinds[-1] == "release"
 
 
-@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}])
+@pytest.mark.parametrize("options", [{"every_frame": True}, {"record": "take"}, {"finger_width": 0.02}, {"noise_free": True}, {"keep_boards": True}, {"hysteresis": "on"}])
 def test_options_that_points_do_not_have(cube, options):
     with pytest.raises(palpa.BadUsage):
         palpa.Session(cube, source="points", backend="cpu", **options)
+
+
+@pytest.mark.parametrize("source", ["Points", "point", "points ", "points:x", "cameras"])
+def test_sources_that_no_run_would_open(cube, source):
+    with pytest.raises(palpa.BadUsage, match="points"):
+        palpa.Session(cube, source=source, backend="cpu")
 
 
 def test_objects_in_a_circle_are_collected(cube):

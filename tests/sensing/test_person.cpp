@@ -3,9 +3,11 @@
 
 #include <functional>
 #include <glm/geometric.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "assets/generators/hand_bones.hpp"
 #include "sensing/joints/person.hpp"
 #include "sensing/joints/tracker.hpp"
 #include "support/shared_data.hpp"
@@ -14,8 +16,8 @@
 namespace palpa::sensing {
 namespace {
 
-/// The length in mm of each bone, and the radius at each joint, of an adult's hand (Buryanov and Kotiuk 2010; radii as
-/// trackers report them), flat, with all fingers straight.
+/// The length in mm of each bone, and the radius at each joint, of an adult's hand that is made up: flat, with all
+/// fingers straight.
 TrackedHand adult() {
   constexpr double bones_mm[5][4] = {
       {46, 32, 22, 0}, {68, 40, 22, 16}, {65, 45, 26, 17}, {58, 41, 26, 17}, {54, 33, 18, 16}};
@@ -43,6 +45,125 @@ TrackedHand scaled(TrackedHand hand, double by) {
   for (double& radius_m : hand.radii_m)
     radius_m *= by;
   return hand;
+}
+
+/// The joints of the hand that the assets are made of, an adult's.
+TrackedHand posed(const assets::HandPose& pose, double by = 1) {
+  const assets::HandBones bones = assets::pose_bones(pose);
+  TrackedHand hand;
+  for (std::size_t f = 0; f < finger_joints.size(); ++f) {
+    std::size_t joint = finger_joints[f].first;
+    const std::vector<assets::Bone>& finger = bones.digits[f].bones;
+    const auto put = [&](const Vec3& place, double radius_m) {
+      hand.joints[joint] = place;
+      hand.radii_m[joint++] = radius_m;
+    };
+    const auto is_metacarpal = [&](const assets::Bone& bone) { return bone.b == finger[0].a; };
+    const auto metacarpal = std::ranges::find_if(bones.palm, is_metacarpal);
+    put(metacarpal->a, metacarpal->radius_a);
+    for (const assets::Bone& bone : finger)
+      put(bone.a, bone.radius_a);
+    put(finger.back().b, finger.back().radius_b);
+  }
+  hand.joints[wrist_joint] = {-0.026, 0.176, 0};
+  hand.joints[palm_joint] = 0.5 * (hand.joints[11] + hand.joints[12]);
+  hand.radii_m[wrist_joint] = hand.radii_m[palm_joint] = 0.02;
+  return scaled(hand, by);
+}
+
+struct Draw {
+  std::mt19937_64 random{7};
+  double from(double low, double high) { return std::uniform_real_distribution(low, high)(random); }
+  double normal(double deviation) { return std::normal_distribution(0.0, deviation)(random); }
+  Vec3 in_ball(double radius_m) {
+    Vec3 place(0);
+    do
+      place = {from(-1, 1), from(-1, 1), from(-1, 1)};
+    while (glm::length(place) > 1);
+    return radius_m * place;
+  }
+  /// Fingers as far as they bend.
+  assets::HandPose pose() {
+    assets::HandPose pose{.thumb = {from(-0.2, 1), from(-0.1, 0.9), from(-0.3, 1.2), from(-0.4, 0.7)}, .fingers = {}};
+    for (assets::FingerPose& finger : pose.fingers)
+      finger = {from(-0.4, 1.6), from(-0.1, 1.95), from(-0.1, 1.4), from(-0.25, 0.4)};
+    return pose;
+  }
+};
+
+TEST(Person, HasHandsOfEveryUsualSizeInEveryPose) {
+  Draw draw;
+  for (int i = 0; i < 3000; ++i) {
+    const double by = draw.from(0.5, 1.3);
+    ASSERT_EQ(misfit_of(posed(draw.pose(), by)), std::nullopt) << i << ", " << by;
+  }
+  for (const char* name : {"spread", "point", "relaxed", "fist"}) {
+    const assets::HandPose pose = *assets::named_hand_pose(name);
+    for (int percent = 60; percent <= 130; ++percent)
+      ASSERT_EQ(misfit_of(posed(pose, 0.01 * percent)), std::nullopt) << name << ", " << percent;
+  }
+}
+
+TEST(Person, IsNoHandOfAnotherSize) {
+  Draw draw;
+  for (int percent = 1; percent <= 500; ++percent) {
+    const double by = 0.01 * percent;
+    if (percent > 33 && percent < 145) continue;
+    ASSERT_NE(misfit_of(posed(draw.pose(), by)), std::nullopt) << percent;
+    TrackedHand usual = posed(draw.pose());
+    usual.joints = scaled(usual, by).joints;
+    ASSERT_EQ(misfit_of(usual), Misfit::size) << percent << ", with usual radii";
+  }
+}
+
+TEST(Person, IsNoCloudOfJoints) {
+  Draw draw;
+  for (const double radius_m : {0.1e-3, 1e-3, 4e-3, 5e-3, 6e-3, 7e-3, 10e-3, 15e-3, 20e-3, 30e-3, 40e-3, 60e-3}) {
+    for (int i = 0; i < 2000; ++i) {
+      TrackedHand hand = posed(draw.pose());
+      const Vec3 centre = draw.in_ball(0.5);
+      for (Vec3& joint : hand.joints)
+        joint = centre + draw.in_ball(radius_m);
+      ASSERT_NE(misfit_of(hand), std::nullopt) << "in a ball of " << radius_m << ", " << i;
+      for (Vec3& joint : hand.joints)
+        joint = centre + Vec3(draw.normal(radius_m), draw.normal(radius_m), draw.normal(radius_m));
+      ASSERT_NE(misfit_of(hand), std::nullopt) << "with a deviation of " << radius_m << ", " << i;
+    }
+  }
+}
+
+TEST(Person, HasNoJointElsewhere) {
+  Draw draw;
+  for (int i = 0; i < 200; ++i) {
+    TrackedHand hand = posed(draw.pose(), draw.from(0.6, 1.3));
+    const Vec3 place = Vec3(0.6, 0, 0) + draw.in_ball(0.2);
+    for (Vec3& joint : hand.joints)
+      joint += place;
+    ASSERT_EQ(misfit_of(hand), std::nullopt);
+    const auto refused = [&](const std::function<void(TrackedHand&)>& change) {
+      TrackedHand other = hand;
+      change(other);
+      return misfit_of(other).has_value();
+    };
+    for (std::size_t j = 0; j < joint_count; ++j) {
+      EXPECT_TRUE(refused([&](TrackedHand& h) { h.joints[j] = Vec3(0); })) << "joint at zero: " << j;
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_TRUE(refused([&](TrackedHand& h) { h.joints[j][axis] = NAN; })) << "no number: " << j;
+      EXPECT_TRUE(refused([&](TrackedHand& h) { h.joints[j].y = INFINITY; })) << "infinite: " << j;
+      EXPECT_TRUE(refused([&](TrackedHand& h) { h.radii_m[j] = NAN; })) << "no radius: " << j;
+    }
+    EXPECT_TRUE(refused([](TrackedHand& h) { h.joints.fill(h.joints[wrist_joint]); }));
+    EXPECT_TRUE(refused([](TrackedHand& h) { h.joints[palm_joint].z += 5; }));
+    for (const auto& [first, tip] : finger_joints) {
+      const Vec3 away = 0.5 * glm::normalize(draw.in_ball(1));
+      EXPECT_TRUE(refused([&, begin = first, end = tip](TrackedHand& h) {
+        for (std::size_t j = begin; j <= end; ++j)
+          h.joints[j] += away;
+      })) << "half a metre away: "
+          << first;
+    }
+    if (HasFailure()) return;
+  }
 }
 
 TEST(Person, MayBeAChildOrHaveLongHands) {

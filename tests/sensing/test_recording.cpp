@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "base/reference.hpp"
+#include "base/files/reference.hpp"
 #include "random_rig.hpp"
 #include "sensing/grey_png.hpp"
 #include "support/bits.hpp"

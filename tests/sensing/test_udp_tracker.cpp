@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 #include "sensing/joints/tracker.hpp"
 #include "support/captured.hpp"
 #include "support/instrumented.hpp"

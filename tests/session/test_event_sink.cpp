@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "base/error.hpp"
-#include "base/stream_writer.hpp"
+#include "base/files/stream_writer.hpp"
 #include "session/links/link.hpp"
 #include "session/links/record_link.hpp"
 #include "session/watch/event_sink.hpp"

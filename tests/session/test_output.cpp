@@ -139,8 +139,7 @@ TEST(Output, AReservedScratchNeverGrows) {
         const auto play_slot = [&] { drive_of_slot(plan, slot, 0, out.setting, scratch); };
         EXPECT_EQ(test::allocations_of(play_slot), 0u) << slot;
       }
-      EXPECT_EQ(pressures ? scratch.work.factors.size() : scratch.work.sources.size(), pressures ? 70u : 2u)
-          << "the slots were not computed";
+      EXPECT_EQ(scratch.foci.size(), pressures ? 70u : 2u) << "the slots were not computed";
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "acoustics/field/pressure.hpp"
 #include "base/log.hpp"
 #include "fakes.hpp"
 #include "session/links/safe_link.hpp"
@@ -66,7 +67,9 @@ struct BoardSpy : Link {
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     drives.emplace_back(drive.begin(), drive.end());
   }
+  bool plays_plans() const override { return plays; }
   const array::Layout* boards() const override { return &layout; }
+  bool plays = true;  ///< plans
 };
 
 /// A plan of one drive with all transducers at this amplitude.
@@ -138,17 +141,86 @@ TEST(SafeLink, ACeilingLowersThePressuresThatAPlanSays) {
   EXPECT_NEAR(told.target_pa, 150, 1e-9);
 }
 
-TEST(SafeLink, RoundsDownIfAFingerRequestsAPressure) {
-  for (const double asked_pa : {0.0, 500.0}) {
+/// A plan of one drive for a focus, as loud as this part of the most.
+Plan focus_of(const array::Layout& layout, double pressure_pa) {
+  const array::SlotFocus focus{.position = Vec3(0, 0, 0.15)};
+  Plan plan = plan_of(layout, 1, pressure_pa);
+  array::Voice& voice = plan.schedule.voices[0];
+  voice.foci = {focus.position};
+  voice.order = {0};
+  plan.drives = array::drive_for(layout, {&focus, 1});
+  const double full_pa = std::abs(acoustics::pressure_at(layout, plan.drives, focus.position));
+  for (array::TransducerDrive& one : plan.drives)
+    one.amplitude *= static_cast<float>(std::min(1.0, pressure_pa / full_pa));
+  return plan;
+}
+
+TEST(SafeLink, ARequestedPressureIsPlayedByACommonFactorAtAnyCeilingAndOnARamp) {
+  for (const double ceiling : {1.0, 0.5, 0.3}) {
     BoardSpy spy;
-    SafeLink safe(spy, 256);
-    Plan plan = plan_of(spy.layout, 0.5f, asked_pa);
-    plan.drives[3].amplitude = 0.115f;  // between steps of 0.0980 and 0.1224
+    spy.plays = false;
+    SafeLink safe(spy, 256, {.ceiling = ceiling, .ramp_s = 8 * slot_s}, slot_s);
+    const Plan plan = focus_of(spy.layout, 1200);
     safe.plan(played(plan, 256, 0, 60));
-    safe.send_planned(0, plan.drives);
-    for (const array::Drive& drive : {spy.planned, spy.drives.back()})
-      EXPECT_NEAR(drive[3].amplitude, asked_pa > 0 ? 0.0980 : 0.1224, 1e-4) << asked_pa;
+    for (std::uint64_t slot = 0; slot < 10; ++slot)
+      safe.send_planned(slot, plan.drives);
+    safe.plan(played(Plan(), 256, 10, 10));
+    for (std::uint64_t slot = 10; slot < 20; ++slot)
+      safe.send(slot, array::Drive(256, {0, 0}));
+    for (std::size_t slot = 0; slot < spy.drives.size(); ++slot) {
+      const double part = slot < 8 ? (slot + 1) / 8.0 : slot < 10 ? 1 : slot < 18 ? (17 - slot) / 8.0 : 0;
+      const double asked = 1200 * ceiling * part;
+      const double now = std::abs(acoustics::pressure_at(spy.layout, spy.drives[slot], Vec3(0, 0, 0.15)));
+      EXPECT_LE(now, asked * (1 + 1e-3) + 1e-6) << slot;
+      EXPECT_GE(now, asked > 150 ? 0.95 * asked : 0) << slot;
+    }
   }
+}
+
+TEST(SafeLink, ADriveOfABoardThatPlaysPlansIsThePlans) {
+  BoardSpy spy;
+  spy.layout = array::load_layout("sonicsurface");
+  SafeLink safe(spy, 256, {.ceiling = 0.004}, slot_s);
+  Plan plan = plan_of(spy.layout, 1);
+  plan.cycle.modulation_hz = 200;
+  safe.plan(played(plan, 256, 0, 60));
+  const auto on = [](const array::Drive& drive) {
+    return std::ranges::count(drive, 1.0f, &array::TransducerDrive::amplitude);
+  };
+  EXPECT_EQ(on(spy.planned), 1);
+  array::Drive drive = plan.drives;
+  for (std::uint64_t slot = 0; slot < 6; ++slot) {
+    for (array::TransducerDrive& one : drive)
+      one.amplitude = slot < 5 ? 0.3f : 0.0f;  // the modulation of this slot: the board has its own
+    safe.send_planned(slot, drive);
+    EXPECT_EQ(on(spy.drives.back()), slot < 5 ? 1 : 0);
+  }
+  EXPECT_EQ(safe.handed_over().loop.drives, 5u);
+}
+
+TEST(SafeLink, ABoardThatPlaysNoPlansGetsNoDrivesOfThemButIsWarnedOf) {
+  log::Tail log;
+  BoardSpy spy;
+  spy.plays = false;
+  SafeLink safe(spy, 256, {.ceiling = 0.02}, slot_s);
+  const Plan plan = plan_of(spy.layout, 1);
+  safe.plan(played(plan, 256, 0, 60));
+  EXPECT_TRUE(spy.planned.empty());
+  EXPECT_EQ(log.take().size(), 1u);
+}
+
+TEST(SafeLink, TheFactorsOfABoardsFileCount) {
+  log::Tail log;
+  BoardSpy spy;
+  spy.layout.factors.assign(256, 0.5f);
+  SafeLink safe(spy, 256, {.ceiling = 0.04}, slot_s);
+  const Plan plan = plan_of(spy.layout, 1);
+  safe.plan(played(plan, 256, 0, 60));
+  safe.send_planned(0, plan.drives);
+  EXPECT_EQ(safe.handed_over().loop.drives, 0u);
+  const std::vector<log::Line> lines = log.take();
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_CONTAINS(lines[0].text, "the least that OpenMPD boards play with the factors of their files is 0.0491");
 }
 
 TEST(SafeLink, AllButACeilingOfZeroLeavesAPlannedDrivePlanned) {

@@ -1,6 +1,7 @@
 // When touches begin, press and end: the same for events and for what a finger feels.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <memory>
@@ -11,9 +12,11 @@
 
 #include "fakes.hpp"
 #include "sensing/joints/capsules.hpp"
+#include "sensing/joints/hand_check.hpp"
 #include "sensing/joints/tracker.hpp"
 #include "session/session.hpp"
 #include "session/watch/touches.hpp"
+#include "support/hand_films.hpp"
 #include "support/shared_data.hpp"
 #include "support/tracked_hands.hpp"
 #include "support/watched_heap.hpp"
@@ -45,9 +48,8 @@ struct TouchesOf : ::testing::Test {
   std::vector<geometry::Solid> solids = std::vector<geometry::Solid>(1);
   TouchesOf() { solids[0].haptics.press_depth_m = 0.003; }
 
-  /// Whether a finger presses twice: it presses, is missing for `away_s`, in frames that show so many hands, and comes
-  /// back as `back`.
-  bool presses_again(double away_s, std::uint32_t hands, const Tip& back) const {
+  /// A finger presses, is missing for `away_s`, in frames that show so many hands, and comes back as `back`.
+  HeldTouch touch_after(double away_s, std::uint32_t hands, const Tip& back) const {
     Touches touches{solids};
     double time_s = 1;
     touches.update(touching({{1, 0, 0.001F}}), time_s, 2);
@@ -56,7 +58,10 @@ struct TouchesOf : ::testing::Test {
     for (double away = 0.01; away < away_s; away += 0.01)
       touches.update({}, time_s + away, hands);
     touches.update(touching({back}), time_s + away_s, 2);
-    return touches.held()[0].presses;
+    return touches.held()[0];
+  }
+  bool presses_again(double away_s, std::uint32_t hands, const Tip& back) const {
+    return touch_after(away_s, hands, back).presses;
   }
 };
 
@@ -69,6 +74,32 @@ TEST_F(TouchesOf, AHandThatIsLostWhileItPressesDoesNotPressAgain) {
   EXPECT_TRUE(presses_again(0.1, 2, {7})) << "the hand was seen elsewhere";
   EXPECT_TRUE(presses_again(0.1, 0, {7, 0.03F})) << "30 mm beside it";
   EXPECT_FALSE(presses_again(0.1, 0, {7, 0, 0.0025F})) << "it has not come up";
+}
+
+TEST_F(TouchesOf, ALightTouchAfterALostPressNeitherPressesNorLifts) {
+  for (const double away_s : {0.07, 0.1, 0.12, 0.16, 0.19}) {
+    const HeldTouch back = touch_after(away_s, 0, {7, 0.01F, 0.0005F});
+    EXPECT_TRUE(back.begins) << away_s;
+    EXPECT_FALSE(back.presses || back.lifts || back.pressed) << away_s;
+  }
+}
+
+TEST_F(TouchesOf, AHandInDoubtDoesNotPressAgainHoweverLongTheDoubtLasts) {
+  for (const double doubt_s : {0.03, 0.1, 0.25, 0.3, 3.0}) {
+    Touches touches{solids};
+    touches.update(touching({{1}}), 1, 19);
+    for (double after_s = 0.01; after_s < doubt_s; after_s += 0.01)
+      touches.update({}, 1 + after_s, std::nullopt);
+    touches.update(touching({{2}}), 1 + doubt_s, 19);
+    EXPECT_FALSE(touches.held()[0].presses) << doubt_s;
+    EXPECT_TRUE(touches.held()[0].pressed) << doubt_s;
+  }
+  Touches touches{solids};
+  touches.update(touching({{1}}), 1, 19);
+  touches.update({}, 1.1, std::nullopt);
+  touches.update({}, 1.1 + lost_press_s + 0.01, 0);
+  touches.update(touching({{2}}), 1.12 + lost_press_s, 19);
+  EXPECT_TRUE(touches.held()[0].presses) << "without doubt, the time passes";
 }
 
 TEST_F(TouchesOf, APressThatWasLostIsOverWhenItsHandComesBackElsewhere) {
@@ -125,11 +156,18 @@ struct Button {
   }
   explicit Button(SessionSetting given = setting()) : session(std::move(given)) {}
 
-  void see(const std::vector<sensing::TrackedHand>& hands) {
+  void see(const std::vector<sensing::TrackedHand>& hands, bool in_doubt = false) {
     std::vector<sensing::Capsule> bones;
     for (const sensing::TrackedHand& hand : hands)
       sensing::append_capsules(hand, Transform(1.0), bones);
-    session.touch(bones, time_s, slot);
+    session.touch(bones, time_s, slot, in_doubt);
+    count();
+  }
+  void see_images(const std::vector<sensing::DepthFrame>& images) {
+    session.touch(images, time_s, slot);
+    count();
+  }
+  void count() {
     time_s += frame_s;
     slot += 7;
     for (const Event& event : session.events()) {
@@ -185,6 +223,86 @@ TEST(Button, DoesNotClickAgainForAHandThatWasLost) {
   }
 }
 
+/// A tracker takes the hand for the other one in some frames, and moves it by 30 mm in them.
+TEST(Button, DoesNotClickAgainForAHandThatChangesItsSide) {
+  struct Flips {
+    double every_s, for_s;
+  };
+  for (const double rate_hz : {30.0, 90.0}) {
+    for (const Flips flips : {Flips{9, 0.01}, {9, 0.15}, {0.3, 0.01}, {0.3, 0.15}}) {
+      Button button;
+      sensing::HandCheck check;
+      const auto see = [&](double depth_m, bool flipped) {
+        sensing::TrackedHand hand =
+            test::pointing_hand({(flipped ? 0.03 : 0) + 1e-6 * static_cast<double>(button.slot), 7e-3 - depth_m, 0});
+        hand.left = flipped;
+        sensing::TrackedFrame frame{button.time_s, {hand}};
+        check.check(frame, frame.time_s);
+        button.see(frame.hands, frame.in_doubt);
+        button.time_s += 1 / rate_hz - Button::frame_s;
+      };
+      const int second = static_cast<int>(rate_hz);
+      for (int i = 0; i < second; ++i)
+        see(-0.005, false);
+      for (int i = 0; i < 2 * second; ++i)
+        see(0.004, i >= second / 2 && std::fmod((i - second / 2) / rate_hz + 1e-9, flips.every_s) < flips.for_s);
+      for (int i = 0; i < second; ++i)
+        see(0.004, false);
+      EXPECT_EQ(button.presses, 1) << rate_hz << " Hz, " << flips.every_s << ", " << flips.for_s;
+      EXPECT_EQ(button.clicks, 1) << rate_hz << " Hz, " << flips.every_s << ", " << flips.for_s;
+    }
+  }
+}
+
+/// Depth cameras see a finger that presses, then for some frames nothing or a finger that has come up, then the first.
+struct Filmed {
+  static constexpr std::size_t before = 8, after = 6;
+  int presses = 0, clicks = 0;
+
+  Filmed(std::size_t away, double lift_m, bool lost) {
+    const auto is_away = [=](double time_s) {
+      const auto frame = static_cast<std::size_t>(std::lround(time_s / Button::frame_s));
+      return frame >= before && frame < before + away;
+    };
+    test::HandFilm film = test::make_film(
+        test::fingers_scene(1, 18e-3, 3e-3, 0),
+        {.cameras = 1,
+         .frames = before + away + after,
+         .noise = test::FilmNoise::half,
+         .motion = [=](std::size_t, double time_s) { return Vec3(0, is_away(time_s) ? lift_m : 0, 0); }});
+    SessionSetting setting = Button::setting();
+    setting.tracked = false;
+    setting.cameras = film.cameras;
+    Button button(std::move(setting));
+    for (sensing::FrameSet& set : film.frames) {
+      for (sensing::DepthFrame& image : set.frames) {
+        if (lost && is_away(set.time_s)) std::ranges::fill(image.depth, std::uint16_t{0});
+      }
+      button.see_images(set.frames);
+    }
+    presses = button.presses;
+    clicks = button.clicks;
+  }
+};
+
+TEST(Button, DoesNotClickAgainForAHandThatCamerasHaveLost) {
+  for (const std::size_t away : {3U, 7U, 10U, 13U}) {  // 33 to 144 ms
+    const Filmed lost(away, 0, true);
+    EXPECT_EQ(lost.presses, 1) << away;
+    EXPECT_EQ(lost.clicks, 1) << away;
+  }
+  const Filmed later(23, 0, true);
+  EXPECT_EQ(later.presses, 2) << "256 ms";
+}
+
+TEST(Button, ClicksAgainForAFingerThatCamerasSawInTheAir) {
+  for (const double lift_m : {0.004, 0.02, 0.08}) {
+    const Filmed lifted(7, lift_m, false);
+    EXPECT_EQ(lifted.presses, 2) << lift_m;
+    EXPECT_EQ(lifted.clicks, 2) << lift_m;
+  }
+}
+
 TEST(Button, ThatIsTakenAwayIsForgotten) {
   Button button;
   button.hold(-0.02, 5);
@@ -227,7 +345,7 @@ TEST(Button, HasTheTouchesOfTheFoundFiles) {
     bool came = false;
     std::uint64_t number = 0;
     while (tracker->next(frame, came, number, 0))
-      button.see(frame.hands);
+      button.see(frame.hands, frame.in_doubt);
     EXPECT_EQ(button.presses, wanted) << name;
     EXPECT_EQ(button.clicks, wanted) << name;
   }

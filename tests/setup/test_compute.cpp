@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gpu/device.hpp"
-#include "setup/compute.hpp"
+#include "setup/options/compute.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::setup {

@@ -1,5 +1,5 @@
 // Drives as files: what is written is read back, and each fault is named with its line.
-#include "setup/drive_file.hpp"
+#include "setup/files/drive_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // How a program ends is decided once, whatever several threads find.
-#include "setup/ending.hpp"
+#include "setup/process/ending.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "setup/program.hpp"
+#include "setup/process/program.hpp"
 
 namespace palpa::setup {
 namespace {

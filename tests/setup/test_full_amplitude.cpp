@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/gltf/gltf.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 #include "support/captured.hpp"
 #include "support/occurrences.hpp"
 #include "support/shared_data.hpp"

@@ -1,5 +1,5 @@
 // What a user is told about nulls.
-#include "setup/nulls.hpp"
+#include "setup/options/nulls.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,11 +16,15 @@ TEST(NullsOfBoards, AreDoubtedWhereAmplitudesAreCoarse) {
   const array::Layout on_off = array::load_layout("sonicsurface"), mpd = array::load_layout("openmpd-pair");
   const std::string tty = "sonicsurface:/dev/ttyUSB0";
   EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::normalise, 1), "have no amplitudes");
-  EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::clamp, 1), "have no amplitudes");
-  EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::uniform, 0.5), "an intensity below 1 turns transducers off");
+  EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::clamp, 0.5), "turns transducers off");
+  EXPECT_EQ(coarse_boards_line(tty, on_off, Constraint::clamp, 1), "") << "full amplitudes, as uniform";
+  EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::uniform, 0.5),
+                  "an intensity below 1 turns transducers off");
   EXPECT_EQ(coarse_boards_line(tty, on_off, Constraint::uniform, 1), "");
-  EXPECT_CONTAINS(coarse_boards_line("openmpd:A:B", mpd, Constraint::normalise, 0.1), "below 0.1 of the full amplitude");
-  EXPECT_CONTAINS(coarse_boards_line("openmpd", mpd, Constraint::clamp, 0.04), "few amplitudes");
+  EXPECT_CONTAINS(coarse_boards_line("openmpd:A:B", mpd, Constraint::normalise, 0.1),
+                  "below 0.1 of the full amplitude");
+  EXPECT_CONTAINS(coarse_boards_line("openmpd", mpd, Constraint::normalise, 0.04), "few amplitudes");
+  EXPECT_EQ(coarse_boards_line("openmpd", mpd, Constraint::clamp, 0.04), "");
   EXPECT_EQ(coarse_boards_line("openmpd", mpd, Constraint::normalise, 0.3), "");
   EXPECT_EQ(coarse_boards_line("openmpd", mpd, Constraint::uniform, 0.04), "");
   // Not boards, or not those of the layout.

@@ -1,5 +1,5 @@
 // Patterns: what their tables mean, and which are refused in one line.
-#include "setup/pattern_file.hpp"
+#include "setup/files/pattern_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -27,6 +27,7 @@ TEST(Assets, AreInTheirFolder) {
   for (const std::string& name : {elsewhere, std::string("/etc/hostname"), std::string("../README.md"),
                                   std::string("rigs/../../README.md"), std::string("..")})
     EXPECT_REFUSED(find_asset(name), name + ": leads out of palpa's assets folder");
+  EXPECT_ERROR(find_asset(""), Exit::usage, "the name of a file in palpa's assets folder is missing, such as cube.glb");
 }
 
 TEST(PatternFile, PointsAreInTheFilesOrderRelativeToTheLoudest) {

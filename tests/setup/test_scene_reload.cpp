@@ -12,7 +12,7 @@
 
 #include "base/error.hpp"
 #include "geometry/gltf/gltf.hpp"
-#include "setup/scene_reload.hpp"
+#include "setup/sessions/scene_reload.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
 #include "support/files.hpp"
@@ -90,7 +90,8 @@ TEST_F(SceneReloadTest, ABrokenOrMissingOneChangesNothingAndIsToldEachTime) {
     EXPECT_EQ(stats.refused, 3U);
     EXPECT_EQ(loads, 4);
   });
-  const std::string broken = "palpa: warning: --reload: palpa keeps the previous scene: " + file.string() + ": is broken\n";
+  const std::string broken =
+      "palpa: warning: --reload: palpa keeps the previous scene: " + file.string() + ": is broken\n";
   EXPECT_TRUE(told.starts_with(broken)) << told;
   EXPECT_TRUE(told.ends_with(broken)) << told;
   EXPECT_EQ(std::ranges::count(told, '\n'), 3) << told;

@@ -1,6 +1,6 @@
 // --spread: its texts, its percentiles, and what it makes of drives and fields, against formulas and against the same
 // numbers by another way.
-#include "setup/spread.hpp"
+#include "setup/options/spread.hpp"
 
 #include <gtest/gtest.h>
 

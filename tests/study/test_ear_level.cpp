@@ -249,10 +249,17 @@ TEST(EarLevel, APlanWhoseBoardsWouldBeSilentIsRefused) {
   plan.level.measured_db = 100;
   EXPECT_ERROR(refuse_silent(plan), Exit::usage, "measured_ceiling of [level] is 0.02");
   plan.level.measured_db.reset();
-  plan.shapes[2].pressure_pa = 50;  // a hundredth of what the board gives, at most
-  EXPECT_ERROR(refuse_silent(plan), Exit::usage, "times the amplitude for the 50 Pa of '" + plan.shapes[2].name + "'");
+  plan.shapes[2].pressure_pa = 10;  // one transducer is louder than that, at this ceiling
+  EXPECT_ERROR(refuse_silent(plan), Exit::usage, "times the amplitude for the 10 Pa of '" + plan.shapes[2].name + "'");
   plan.shapes[2].pressure_pa = 1e5;
   refuse_silent(plan);
+  array::Layout factored = array::load_layout("openmpd");
+  factored.factors.assign(factored.transducers.size(), 0.5f);
+  EXPECT_ERROR(refuse_silent(plan, &factored), Exit::usage,
+               "is 0.04, below 0.0491, the least amplitude that the OpenMPD boards of openmpd play with the factors");
+  plan.shapes[2].intensity = 0.01;
+  plan.shapes[2].is_spring = true;
+  EXPECT_ERROR(refuse_silent(plan), Exit::usage, "times the intensity at its stiffest 0.01 of");
   plan = plan_on("sonicsurface", 0.0039);
   EXPECT_ERROR(refuse_silent(plan), Exit::usage, "the least amplitude that the SonicSurface boards");
   refuse_silent(plan_on("sonicsurface", 1.0 / 256));

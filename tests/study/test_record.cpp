@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "study/files/study_folder.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/withdrawal.hpp"

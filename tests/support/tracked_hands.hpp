@@ -29,7 +29,7 @@ inline sensing::TrackedHand pointing_hand(const Vec3& index_tip) {
     }
   }
   hand.joints[sensing::palm_joint] = index_tip + Vec3(0.02, 0.12, 0);
-  hand.joints[sensing::wrist_joint] = index_tip + Vec3(0.02, 0.17, 0);
+  hand.joints[sensing::wrist_joint] = index_tip + Vec3(0.02, 0.25, 0);
   return hand;
 }
 

@@ -55,7 +55,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "hand_classes.hpp"
 #include "hand_scores.hpp"
 #include "touch/stage_setting.hpp"

@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "array/free_field.hpp"
+#include "array/field/free_field.hpp"
 #include "array/loud_sets.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::array {
 namespace {

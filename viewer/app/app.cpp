@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "setup/interrupt.hpp"
+#include "setup/process/interrupt.hpp"
 #include "viewer/app/flat_marks.hpp"
 #include "viewer/app/keys.hpp"
 #include "viewer/app/own_files.hpp"

@@ -8,10 +8,10 @@
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "geometry/gltf/write.hpp"
 #include "session/links/spec.hpp"
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 #include "viewer/app/own_files.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/live_picture.hpp"

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "sensing/recording.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::viewer {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "setup/scene_reload.hpp"
+#include "setup/sessions/scene_reload.hpp"
 #include "viewer/app/shown_touch.hpp"
 #include "viewer/live/loader.hpp"
 #include "viewer/options/viewer_options.hpp"

@@ -6,7 +6,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 
 namespace palpa::viewer {
 namespace {

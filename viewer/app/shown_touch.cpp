@@ -10,12 +10,12 @@
 #include "geometry/files/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
-#include "setup/load.hpp"
-#include "setup/nearest_skin.hpp"
-#include "setup/progress.hpp"
-#include "setup/touch_run.hpp"
-#include "setup/touch_schedule.hpp"
-#include "setup/warnings.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/nearest_skin.hpp"
+#include "setup/sessions/touch_run.hpp"
+#include "setup/sessions/touch_schedule.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "line/option_table.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::viewer {
 

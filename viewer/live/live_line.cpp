@@ -19,7 +19,7 @@ namespace {
 using setup::RunCommand;
 
 /// The viewer reads a saved scene again also without --reload.
-void add_live_options(CLI::App& app, RunOptions& o) {
+void add_live_options(CLI::App& app, RunCommand& o) {
   setup::add_run_options(app, o, "stop after that many frames; 0: at the source's end");
   setup::add_common(app, o.common);
 }
@@ -33,8 +33,8 @@ bool is_copied(const line::OptionInfo& info) {
 class Reader {
  public:
   Reader() { add_live_options(app_, options_); }
-  RunOptions read(const line::Given& given) {
-    options_ = RunOptions();  // an option that is not given has its default, whatever it was before
+  RunCommand read(const line::Given& given) {
+    options_ = RunCommand();  // an option that is not given has its default, whatever it was before
     line::read_given(app_, given);
     return options_;
   }
@@ -43,7 +43,7 @@ class Reader {
 
  private:
   CLI::App app_{"", "palpa-viewer"};
-  RunOptions options_;  ///< the app's options are read into this
+  RunCommand options_;  ///< the app's options are read into this
 };
 
 Reader& reader() {
@@ -51,7 +51,7 @@ Reader& reader() {
   return one;
 }
 
-RunOptions read(const line::Given& given) {
+RunCommand read(const line::Given& given) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
   return reader().read(given);

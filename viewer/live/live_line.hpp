@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "line/option_table.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::viewer {
 

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "sensing/joints/capsules.hpp"
 #include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"

@@ -16,13 +16,13 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/surroundings.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 #include "viewer/live/frame_gaps.hpp"
 #include "viewer/live/link_watch.hpp"
 #include "viewer/live/snapshot.hpp"

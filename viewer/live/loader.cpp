@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/activity.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "session/threads.hpp"
 #include "viewer/live/live_session.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "session/links/link.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::viewer {
 

@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "setup/interrupt.hpp"
+#include "setup/process/interrupt.hpp"
 
 namespace palpa::viewer {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 
 namespace palpa::viewer {
 

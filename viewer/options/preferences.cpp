@@ -7,10 +7,10 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/toml.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
-#include "base/toml.hpp"
 
 namespace palpa::viewer {
 

@@ -298,7 +298,11 @@ void check(const ViewerOptions& o) {
   if (standard_view(o) == "camera" && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
   const Layers layers = first_state(o).layers;
   if (layers.shows(Layer::slice) || layers.shows(Layer::heat)) {
-    const char* what = layers.shows(Layer::heat) ? "--show heat" : "--slice";
+    const auto asks = [&](const char* option) { return o.given.contains(option); };
+    const char* what = layers.shows(Layer::heat) ? (asks("--heat") ? "--heat" : "--show heat")
+                       : asks("--slice")         ? "--slice"
+                       : asks("--slice-at")      ? "--slice-at"
+                                                 : "--show slice";
     if (!o.is_live() && (!has_skin(o) || o.input.scene.empty()))
       throw bad_usage(fmt::format("{} goes with --points or --depth: it needs a touch", what));
     if (!o.is_live() && o.layout.empty() && o.input.rig.empty())

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "line/option_table.hpp"
-#include "setup/live_run.hpp"
-#include "setup/options.hpp"
-#include "setup/places.hpp"
-#include "setup/study_options.hpp"
-#include "setup/touch_input.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/places.hpp"
+#include "setup/options/study_options.hpp"
+#include "setup/sessions/live_run.hpp"
+#include "setup/sessions/touch_input.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
 #include "viewer/render/renderer.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "acoustics/felt/spectrum.hpp"
-#include "setup/places.hpp"
+#include "setup/options/places.hpp"
 #include "viewer/hands/placing.hpp"
 #include "viewer/panel_data/content.hpp"
 #include "viewer/panel_data/file_list.hpp"

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "viewer/panels/stroke_font.hpp"
 
 namespace palpa::viewer {

@@ -10,7 +10,7 @@
 #include "drawing/canvas.hpp"
 #include "drawing/ink.hpp"
 #include "sensing/rig.hpp"
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 
 namespace palpa::viewer {
 

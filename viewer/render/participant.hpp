@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/view/stereo.hpp"
 #include "viewer/view/view_state.hpp"

@@ -4,8 +4,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "base/output_file.hpp"
-#include "base/reference.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/reference.hpp"
 #include "base/version.hpp"
 #include "line/completion.hpp"
 #include "line/help.hpp"

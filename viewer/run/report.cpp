@@ -5,10 +5,10 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "base/text.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -70,7 +70,8 @@ void report_window(const ViewerOptions& options, const Outputs& outputs, const P
 
 void report_run(const ViewerOptions& options, const Outputs& outputs, const LiveSession* session) {
   const std::optional<session::LoopStats> stats = session ? session->stats() : std::nullopt;
-  if (stats && setup::shows_summary(options.common, outputs)) write_file("-", setup::summary(*stats));
+  if (stats && setup::shows_summary(options.common, outputs))
+    write_file("-", setup::summary(*stats, "", options.live.safety.ceiling));
 }
 
 }  // namespace palpa::viewer

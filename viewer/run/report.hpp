@@ -1,7 +1,7 @@
 // The reports at the end: on the pictures, and on a run that was shown.
 #pragma once
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "drawing/png.hpp"
 #include "session/watch/stats.hpp"
 #include "viewer/live/live_session.hpp"

@@ -1,7 +1,7 @@
 // The two ways to look at what the options show: pictures without a window, and a window.
 #pragma once
 
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/options/viewer_options.hpp"
 

@@ -2,11 +2,11 @@
 #include <string>
 
 #include "acoustics/bodies/body_cache.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
 #include "experiment/skin_rates.hpp"
-#include "setup/body.hpp"
-#include "setup/touch_run.hpp"
+#include "setup/files/body.hpp"
+#include "setup/sessions/touch_run.hpp"
 #include "viewer/app/shown_touch.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/film.hpp"

@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "setup/touch_run.hpp"
+#include "setup/sessions/touch_run.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/drawing_threads.hpp"

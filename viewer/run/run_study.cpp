@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
 #include "base/text.hpp"
-#include "setup/ending.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/load.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/process/ending.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "viewer/options/monitors.hpp"
 #include "viewer/run/drawing_threads.hpp"
 #include "viewer/run/run.hpp"
@@ -57,6 +57,7 @@ study::EarLevel level_of(study::StudyPlan plan, const StudyShapes& shapes, const
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     objects.push_back(shapes.shapes[i].box);
     plan.shapes[i].intensity = shapes.shapes[i].least.intensity;
+    plan.shapes[i].is_spring = shapes.shapes[i].least.is_spring;
     plan.shapes[i].pressure_pa = shapes.shapes[i].least.pressure_pa;
   }
   std::optional<array::Layout> placed;
@@ -154,14 +155,31 @@ Window participant_window(const setup::StudyRunOptions& options, const sensing::
   return {WindowWish{.width = size.width, .height = size.height, .in_points = options.size.empty()}, title};
 }
 
-void report(const setup::StudyRunOptions& options, const Outputs& outputs, const Conductor& conductor) {
-  const study::Agenda& agenda = conductor.sitting().agenda();
+void report(const setup::StudyRunOptions& options, const Outputs& outputs, const study::Agenda& agenda,
+            const study::Record& record) {
   if (!options.common.json.empty()) write_file(options.common.json, to_json(agenda, *options.participant));
   if (!setup::shows_summary(options.common, outputs)) return;
-  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n", *options.participant,
-                              agenda.complete(), agenda.steps().size(), agenda.voided(),
-                              counted(agenda.starts(), "start"), conductor.record().folder().beh().string(),
-                              agenda.finished() ? "" : "; the same command continues"));
+  write_file("-",
+             fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n", *options.participant,
+                         agenda.complete(), agenda.steps().size(), agenda.voided(), counted(agenda.starts(), "start"),
+                         record.folder().beh().string(), agenda.finished() ? "" : "; the same command continues"));
+}
+
+/// If all steps of the participant are in the journal, and only its end is missing, writes the end: this needs neither
+/// windows nor an array. Returns whether it was so. Throws bad_usage if the participant has finished.
+bool complete(const study::StudyPlan& plan, const setup::StudyRunOptions& options, const Outputs& outputs) {
+  struct StepsAreLeft {};
+  try {
+    study::Record record(plan, *options.participant, options.out, options.rehearse.has_value(),
+                         [] { throw StepsAreLeft(); });
+    record.refuse_finished();
+    const study::Sitting sitting(plan, record.agenda(), start_entry(options, "off"),
+                                 [&](const study::Entry& entry) { record.add(entry); });
+    report(options, outputs, sitting.agenda(), record);
+    return true;
+  } catch (const StepsAreLeft&) {
+    return false;
+  }
 }
 
 /// Ends the program at once, without waiting for a device. The watch for signals may have decided how; then it has
@@ -177,6 +195,7 @@ void report(const setup::StudyRunOptions& options, const Outputs& outputs, const
 void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
   const Outputs outputs({{"--json", options.common.json}});
   const study::StudyPlan plan = plan_to_run(options, kinds);
+  if (complete(plan, options, outputs)) return;
   const ParticipantScene scene(plan, options);
   const StudyShapes shapes = load_shapes(plan);
   Window panel({.width = 900,
@@ -258,7 +277,7 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   }
   if (!conductor.presentation().end(3s))
     leave_at_once("ended without finishing: a link, device or file did not answer; the array is silent", relay);
-  report(options, outputs, conductor);
+  report(options, outputs, conductor.sitting().agenda(), conductor.record());
   if (!conductor.presentation().end_fault().empty()) {
     const std::string what = "ended, but " + conductor.presentation().end_fault();
     if (setup::Interrupt::signalled()) leave_at_once(what, relay);

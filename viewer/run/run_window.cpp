@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/live/frame_gaps.hpp"
 #include "viewer/options/preferences.hpp"

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "viewer/options/viewer_options.hpp"
 #include "viewer/run/interact.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "setup/ending.hpp"
+#include "setup/process/ending.hpp"
 
 namespace palpa::viewer {
 namespace {

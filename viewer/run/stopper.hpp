@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "base/log.hpp"
-#include "setup/interrupt.hpp"
+#include "setup/process/interrupt.hpp"
 #include "viewer/app/app.hpp"
 
 namespace palpa::viewer {

@@ -5,7 +5,7 @@
 #include <CLI/Formatter.hpp>
 #include <string_view>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "line/help.hpp"
 #include "line/values.hpp"
 #include "viewer/run/command.hpp"

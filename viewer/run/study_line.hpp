@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 
 namespace palpa::viewer {
 

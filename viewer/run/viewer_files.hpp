@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/options/viewer_options.hpp"
 #include "viewer/run/script.hpp"

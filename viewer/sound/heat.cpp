@@ -19,7 +19,7 @@
 #include "base/words.hpp"
 #include "experiment/skin_rates.hpp"
 #include "session/threads.hpp"
-#include "setup/body.hpp"
+#include "setup/files/body.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "acoustics/field/array_field.hpp"
-#include "setup/touch_schedule.hpp"
+#include "setup/sessions/touch_schedule.hpp"
 
 namespace palpa::viewer {
 namespace {

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/without_folders.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
-#include "base/without_folders.hpp"
 #include "geometry/gltf/write.hpp"
 #include "session/links/foci_file.hpp"
-#include "setup/interrupt.hpp"
+#include "setup/process/interrupt.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -60,6 +60,14 @@ std::string to_text(const study::TouchLosses& losses) {
 
 }  // namespace
 
+study::Entry start_entry(const setup::StudyRunOptions& run, const std::string& masking) {
+  return {.text = study::utc_now(),
+          .version = version_and_commit(),
+          .rehearsal = run.rehearse.has_value(),
+          .masking = masking,
+          .backend = std::string(word_of(setup::backend_words, setup::used_backend(run.common).backend))};
+}
+
 Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
                      const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
                      std::function<void()> wake)
@@ -74,14 +82,8 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
       }) {
   record_.refuse_finished();
   if (!masking_) masking_.emplace("off");  // no step is left
-  sitting_ = std::make_unique<study::Sitting>(
-      plan, record_.agenda(),
-      study::Entry{.text = study::utc_now(),
-                   .version = version_and_commit(),
-                   .rehearsal = run.rehearse.has_value(),
-                   .masking = masking_->name(),
-                   .backend = std::string(word_of(setup::backend_words, setup::used_backend(run.common).backend))},
-      [this](const study::Entry& entry) { write(entry); });
+  sitting_ = std::make_unique<study::Sitting>(plan, record_.agenda(), start_entry(run, masking_->name()),
+                                              [this](const study::Entry& entry) { write(entry); });
   run_number_ = sitting_->agenda().starts();
   if (!over()) sitting_->level(level.loudest_db(), level.equivalent_db(), run.override_by, now_ns());
   const std::filesystem::path scene = record_.folder().file(run_number_, "_shapes.glb");

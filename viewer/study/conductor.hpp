@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/ear_level.hpp"
 #include "study/sitting/finger_recorder.hpp"
@@ -23,6 +23,9 @@
 #include "viewer/study/views.hpp"
 
 namespace palpa::viewer {
+
+/// The entry with which a program begins, or continues, a sitting.
+study::Entry start_entry(const setup::StudyRunOptions& run, const std::string& masking);
 
 class Conductor {
  public:

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "array/schedule.hpp"
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 

@@ -1,7 +1,7 @@
 #include "viewer/study/masking.hpp"
 
 #include "base/error.hpp"
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 
 #ifdef PALPA_SDL2
 #include <SDL.h>
@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "base/log.hpp"
 #include "base/random.hpp"
 #include "base/text.hpp"

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/words.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 #include "viewer/study/screens.hpp"
 
 namespace palpa::viewer {

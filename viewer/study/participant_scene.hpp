@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gpu/device.hpp"
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 #include "study/plan/plan.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/render/participant.hpp"

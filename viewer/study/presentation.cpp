@@ -7,14 +7,16 @@
 #include <set>
 #include <string_view>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/load.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/sessions/load.hpp"
+#include "study/sitting/ear_level.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -92,17 +94,22 @@ void take_layouts(study::StudyPlan& plan, const setup::StudyRunOptions& run, con
 
 void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds) {
   const std::vector<session::LinkKind> links = setup::with_builtin(kinds.links);
-  std::set<std::pair<std::string, double>> tried;
+  std::set<std::tuple<std::string, double, bool>> tried;
   for (std::size_t m = 0; m < plan.methods.size(); ++m) {
     const setup::LiveOptions options = options_of_method(plan, m, run, "");
-    if (!tried.emplace(plan.methods[m].layout, plan.methods[m].dwell_s).second) continue;
+    const bool foci_move = !touch::stands_still(options.touch.method.method);
+    if (!tried.emplace(plan.methods[m].layout, plan.methods[m].dwell_s, foci_move).second) continue;
     const setup::PlacedLayout placed = setup::load_placed_layout(options.rig);
     const array::Layout layout = array::transformed(placed.layout, placed.T_world_layout);
     try {
-      const auto link = session::open_link(
-          run.link, links,
-          {.layout = layout, .solid_names = {}, .slot_s = options.touch.dwell_s, .board_files = run.board_files});
+      const auto link = session::open_link(run.link, links,
+                                           {.layout = layout,
+                                            .solid_names = {},
+                                            .slot_s = options.touch.dwell_s,
+                                            .foci_move = foci_move,
+                                            .board_files = run.board_files});
       session::SafeLink(*link, layout.transducers.size()).finish();
+      if (const array::Layout* const boards = link->boards()) study::refuse_silent(plan, boards);
     } catch (const Error& error) {
       const std::string keys = keys_of_options(error.what());
       if (keys.empty()) throw;

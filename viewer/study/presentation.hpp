@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
-#include "setup/live_run.hpp"
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
+#include "setup/sessions/live_run.hpp"
 #include "study/plan/plan.hpp"
 #include "viewer/live/live_session.hpp"
 #include "viewer/study/gate.hpp"

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 
 namespace palpa::viewer {
@@ -22,7 +22,7 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
     std::uint32_t groups = 0;
     geometry::Scene scene = geometry::load_gltf(plan.shapes[shape].model);
     own.box = geometry::box_of(scene);
-    own.least = setup::least_sound(scene);
+    own.least = setup::least_sound(scene, plan.run.deep_m);
     for (geometry::SceneMesh& mesh : scene.meshes) {
       mesh.name = solid_name(plan, shape);
       mesh.copy.reset();

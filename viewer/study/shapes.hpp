@@ -11,7 +11,7 @@
 #include "base/math.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/skin_point.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/plan/plan.hpp"
 
 namespace palpa::viewer {

@@ -1,7 +1,7 @@
 // `palpa emulate autd3`: an emulated server with its devices, in real time.
 #pragma once
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "driver/emulate/command.hpp"
 
 namespace palpa::driver::autd3 {

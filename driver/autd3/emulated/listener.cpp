@@ -13,8 +13,8 @@
 #include <cstring>
 #include <vector>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/autd3/pattern.hpp"
 
 namespace palpa::driver::autd3 {
@@ -72,7 +72,7 @@ void Listener::serve(EmulatedServer& server, const std::atomic<bool>& stop, std:
     setsockopt(client.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     {
       const std::lock_guard held(lock);
-      server.connected();
+      server.client_came();
     }
     for (bool goes_on = true; goes_on && !stop;) {
       if (!readable(client.get())) continue;
@@ -88,7 +88,7 @@ void Listener::serve(EmulatedServer& server, const std::atomic<bool>& stop, std:
       if (!send_all(client.get(), answer)) break;
     }
     const std::lock_guard held(lock);
-    if (!stop) server.disconnected(device_time_s());
+    if (!stop) server.client_left(device_time_s());
   }
 }
 

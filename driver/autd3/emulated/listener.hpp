@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "base/descriptor.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/autd3/emulated/server.hpp"
 
 namespace palpa::driver::autd3 {

@@ -15,17 +15,17 @@ constexpr std::size_t hello_size = 14, geometry_head = 5, pose_size = 28;
 
 }  // namespace
 
-void EmulatedServer::connected() {
+void EmulatedServer::client_came() {
   request_.clear();
   greeted_ = configured_ = said_goodbye_ = false;
 }
 
-void EmulatedServer::disconnected(double now_s) {
+void EmulatedServer::client_left(double now_s) {
   if (!request_.empty())
     violations_.add(now_s, fmt::format("disconnected after {} bytes of a request", request_.size()));
   if (!said_goodbye_) violations_.add(now_s, "disconnected without a goodbye");
   if (configured_ && !silent(now_s)) violations_.add(now_s, "disconnected while the devices sounded");
-  connected();
+  client_came();
 }
 
 /// The size of the request that has begun, as far as it is known.

@@ -24,9 +24,9 @@ class EmulatedServer {
       : devices_(devices, EmulatedDevice(firmware)) {}
 
   /// A client has connected. Anything that an earlier client had begun is forgotten.
-  void connected();
+  void client_came();
   /// The client is gone. This is a violation without a goodbye, or while devices sound.
-  void disconnected(double now_s);
+  void client_left(double now_s);
   /// Takes what the client sends and adds the answers to `out`. Returns false at the end of the connection.
   bool take(double now_s, std::span<const std::uint8_t> bytes, std::vector<std::uint8_t>& out);
 

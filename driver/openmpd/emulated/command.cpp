@@ -14,9 +14,9 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "driver/clock.hpp"
 #include "driver/emulate/live_sound_picture.hpp"

@@ -1,7 +1,7 @@
 // `palpa emulate openmpd`: emulated boards behind sockets, in real time.
 #pragma once
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "driver/emulate/command.hpp"
 
 namespace palpa::driver::openmpd {

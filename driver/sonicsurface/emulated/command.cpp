@@ -8,7 +8,7 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "base/text.hpp"
 #include "driver/emulate/serve.hpp"
 #include "driver/emulate/stop.hpp"

@@ -1,7 +1,7 @@
 // `palpa emulate sonicsurface`: emulated boards on a pseudo terminal, in real time.
 #pragma once
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "driver/emulate/command.hpp"
 
 namespace palpa::driver::sonicsurface {

@@ -15,9 +15,9 @@
 #include <thread>
 #include <utility>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/now.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 
 namespace palpa::driver::sonicsurface {
 namespace {
@@ -67,11 +67,14 @@ void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mute
   double baud = 0;     // of the program that has the line
   while (!stop) {
     pollfd one{master_.get(), POLLIN, 0};
-    if (poll(&one, 1, look_ms) <= 0) continue;
+    // If bytes wait, the line has not rested since the last ones, however late this thread comes to take them.
+    const bool rested = poll(&one, 1, 0) == 0;
+    if (rested && poll(&one, 1, look_ms) <= 0) continue;
     const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
     if (size <= 0) continue;
     const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));
-    taken_s = std::max(taken_s, monotonic_s()) + static_cast<double>(size) * byte_s;
+    if (rested) taken_s = monotonic_s();
+    taken_s += static_cast<double>(size) * byte_s;
     std::this_thread::sleep_for(std::chrono::duration<double>(taken_s - monotonic_s()));
     if (heard) heard(came);
     const std::lock_guard held(lock);

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "base/descriptor.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
 
 namespace palpa::driver::sonicsurface {

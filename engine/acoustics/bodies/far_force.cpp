@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "acoustics/elements/triangle_rules.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 

@@ -9,7 +9,7 @@
 
 #include "acoustics/compressed/cluster_tree.hpp"
 #include "acoustics/elements/triangle_rules.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -24,8 +24,8 @@ struct FewPlaces {
 };
 
 /// For all vertices of a body, cluster by cluster. The vertices that are represented worst are off by `tolerance` of
-/// the loudest. Uses all cores; the same bytes for any number of threads. Throws GivenUp (base/parallel.hpp) soon after
-/// `give_up` becomes true.
+/// the loudest. Uses all cores; the same bytes for any number of threads. Throws GivenUp (base/system/parallel.hpp)
+/// soon after `give_up` becomes true.
 std::vector<FewPlaces> few_places(const RigidBody& body, double tolerance, const std::atomic<bool>* give_up = nullptr);
 
 }  // namespace palpa::acoustics

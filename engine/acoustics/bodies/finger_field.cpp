@@ -6,7 +6,7 @@
 
 #include "acoustics/bodies/radiation.hpp"
 #include "array/drive.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

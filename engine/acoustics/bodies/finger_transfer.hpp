@@ -19,9 +19,9 @@
 #include "acoustics/bodies/body_places.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::acoustics {
 

@@ -11,7 +11,7 @@
 #include "acoustics/compressed/body_operator.hpp"
 #include "acoustics/elements/triangle_rules.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 

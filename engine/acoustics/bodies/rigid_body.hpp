@@ -22,7 +22,7 @@ namespace palpa::acoustics {
 class RigidBody {
  public:
   /// `mesh` is welded, closed, oriented outwards (body_mesh.hpp checks that), `wave_number` in 1/m. Throws GivenUp
-  /// (base/parallel.hpp) soon after `give_up` becomes true.
+  /// (base/system/parallel.hpp) soon after `give_up` becomes true.
   RigidBody(geometry::Mesh mesh, double wave_number, const std::atomic<bool>* give_up = nullptr);
 
   const geometry::Mesh& mesh() const { return patches_.mesh; }

@@ -8,7 +8,7 @@
 #include "acoustics/boundary/galerkin_kernels.hpp"
 #include "acoustics/elements/triangle_rules.hpp"
 #include "base/activity.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 

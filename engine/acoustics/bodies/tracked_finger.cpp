@@ -6,7 +6,7 @@
 
 #include "acoustics/bodies/few_places.hpp"
 #include "acoustics/field/incident.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

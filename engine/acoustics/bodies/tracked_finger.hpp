@@ -21,7 +21,7 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/body_places.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 
 namespace palpa::acoustics {
@@ -29,7 +29,7 @@ namespace palpa::acoustics {
 class TrackedFinger {
  public:
   /// The body's wave number is that of `air`. Absorption is left out, as in the solvers. Throws GivenUp
-  /// (base/parallel.hpp) soon after `give_up` became true.
+  /// (base/system/parallel.hpp) soon after `give_up` became true.
   TrackedFinger(std::shared_ptr<const RigidBody> body, const Air& air, array::Directivity directivity,
                 const std::atomic<bool>* give_up = nullptr);
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/memory.hpp"
+#include "base/system/memory.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -8,7 +8,7 @@
 #include "acoustics/boundary/blas.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

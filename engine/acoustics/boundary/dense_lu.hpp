@@ -14,7 +14,7 @@ namespace palpa::acoustics {
 class DenseLu {
  public:
   /// Takes `matrix`, size x size, row-major. LU with partial pivoting; the same bytes for any number of threads. Throws
-  /// failure() if the matrix is singular, GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+  /// failure() if the matrix is singular, GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
   DenseLu(std::vector<std::complex<float>> matrix, std::size_t size, const std::atomic<bool>* give_up = nullptr);
 
   /// Replaces the right-hand sides in `columns`, one after the other, by their solutions.

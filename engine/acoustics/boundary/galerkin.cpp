@@ -9,7 +9,7 @@
 #include "acoustics/boundary/galerkin_kernels.hpp"
 #include "acoustics/boundary/near_pairs.hpp"
 #include "base/activity.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/mesh/bvh.hpp"
 
 namespace palpa::acoustics {

@@ -22,7 +22,7 @@ namespace palpa::acoustics {
 
 /// Replaces `matrix`, vertices x vertices, row-major, one row per test function. The same bytes for any number of
 /// threads. Warns if faces that do not touch are too close to each other to be resolved. Throws GivenUp
-/// (base/parallel.hpp) soon after `give_up` becomes true.
+/// (base/system/parallel.hpp) soon after `give_up` becomes true.
 void assemble(const Patches& body, double wave_number, std::span<std::complex<float>> matrix,
               const std::atomic<bool>* give_up = nullptr);
 

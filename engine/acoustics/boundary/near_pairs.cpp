@@ -12,7 +12,7 @@
 #include "acoustics/elements/triangle_rules.hpp"
 #include "base/activity.hpp"
 #include "base/log.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/mesh/bvh.hpp"
 
 namespace palpa::acoustics {

@@ -5,7 +5,7 @@
 
 #include "acoustics/boundary/dense_lu.hpp"
 #include "acoustics/boundary/galerkin.hpp"
-#include "base/memory.hpp"
+#include "base/system/memory.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -32,13 +32,13 @@ class SurfaceOperator {
   virtual bool iterates() const = 0;
   /// Replaces the right-hand sides in `columns`, one after the other, by their solutions. Any number of threads may
   /// call it at a time; the same bytes for any number of threads. If the iterations do not converge, throws failure()
-  /// that gives the residual. Iterations end with GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+  /// that gives the residual. Iterations end with GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
   virtual SolveReport solve(Way way, std::span<std::complex<float>> columns,
                             const std::atomic<bool>* give_up = nullptr) const = 0;
 };
 
 /// The whole matrix (galerkin.hpp) and its factors: each solution then costs two passes over it. Factoring takes 8/3
-/// vertices^3 operations. Throws GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+/// vertices^3 operations. Throws GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
 std::unique_ptr<SurfaceOperator> make_dense_operator(const Patches& body, double wave_number,
                                                      const std::atomic<bool>* give_up = nullptr);
 

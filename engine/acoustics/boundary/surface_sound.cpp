@@ -6,7 +6,7 @@
 
 #include "acoustics/elements/polynomial.hpp"
 #include "acoustics/elements/triangle_rules.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 

@@ -9,7 +9,7 @@
 
 #include "acoustics/compressed/band_least_squares.hpp"
 #include "base/activity.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

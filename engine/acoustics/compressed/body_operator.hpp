@@ -14,7 +14,7 @@ namespace palpa::acoustics {
 /// Bodies with more vertices than this get the fast operator, unless it would need more memory than the dense one.
 inline constexpr std::size_t most_dense_vertices = 3000;
 
-/// Throws GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+/// Throws GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
 std::unique_ptr<SurfaceOperator> make_operator(const Patches& body, double wave_number,
                                                const std::atomic<bool>* give_up = nullptr);
 

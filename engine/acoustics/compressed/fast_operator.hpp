@@ -12,8 +12,8 @@
 namespace palpa::acoustics {
 
 /// Pressures differ by about 0.05 % from those of the dense operator. It takes little more than twice the time and
-/// memory for twice the faces. A solution takes about 12 products with the matrix. Throws GivenUp (base/parallel.hpp)
-/// soon after `give_up` becomes true.
+/// memory for twice the faces. A solution takes about 12 products with the matrix. Throws GivenUp
+/// (base/system/parallel.hpp) soon after `give_up` becomes true.
 std::unique_ptr<SurfaceOperator> make_fast_operator(const Patches& body, double wave_number,
                                                     const std::atomic<bool>* give_up = nullptr);
 

@@ -8,7 +8,7 @@
 #include "acoustics/boundary/near_pairs.hpp"
 #include "acoustics/compressed/matrix_entries.hpp"
 #include "base/activity.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -19,7 +19,7 @@ namespace palpa::acoustics {
 class HierarchicalMatrix {
  public:
   /// Each far block's relative error is about `tolerance` (low_rank.hpp). Warns as assemble() does. The matrix has the
-  /// same bytes for any number of threads. Throws GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+  /// same bytes for any number of threads. Throws GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
   HierarchicalMatrix(const Patches& body, double wave_number, double tolerance,
                      const std::atomic<bool>* give_up = nullptr);
 

@@ -5,7 +5,7 @@
 #include <complex>
 #include <cstdint>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

@@ -23,7 +23,7 @@ struct LowRank {
 };
 
 /// Replaces `out`. The error is about `tolerance` times the block's Frobenius norm. Returns false if this needs a
-/// larger rank than `most`. Throws GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+/// larger rank than `most`. Throws GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
 bool approximate(const MatrixEntries& entries, const ClusterPatches& rows, const ClusterPatches& columns,
                  double tolerance, std::size_t most, LowRank& out, const std::atomic<bool>* give_up = nullptr);
 

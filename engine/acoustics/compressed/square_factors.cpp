@@ -4,7 +4,7 @@
 
 #include "acoustics/boundary/blas.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {

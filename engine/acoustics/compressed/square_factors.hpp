@@ -14,7 +14,7 @@ namespace palpa::acoustics {
 class SquareFactors {
  public:
   /// The squares are the largest clusters of at most `most` vertices each. The same bytes for any number of threads.
-  /// Throws failure() if a square is singular, GivenUp (base/parallel.hpp) soon after `give_up` becomes true.
+  /// Throws failure() if a square is singular, GivenUp (base/system/parallel.hpp) soon after `give_up` becomes true.
   SquareFactors(const HierarchicalMatrix& matrix, std::uint32_t most, const std::atomic<bool>* give_up = nullptr);
 
   /// Replaces `count` vectors y, in the matrix' order, by the squares' inverses (or transposed inverses) times x.

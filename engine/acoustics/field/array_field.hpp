@@ -12,8 +12,8 @@
 
 #include "acoustics/field/focus_field.hpp"
 #include "array/drive_options.hpp"
-#include "array/farthest.hpp"
-#include "array/free_field.hpp"
+#include "array/field/farthest.hpp"
+#include "array/field/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 

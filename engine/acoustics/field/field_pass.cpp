@@ -8,8 +8,8 @@
 
 #include "array/drive_pass.hpp"
 #include "base/activity.hpp"
-#include "base/memory.hpp"
-#include "base/parallel.hpp"
+#include "base/system/memory.hpp"
+#include "base/system/parallel.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/commands.hpp"
 #include "spirv/field.comp.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "gpu/buffer.hpp"

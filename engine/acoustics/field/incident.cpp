@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/activity.hpp"
-#include "base/memory.hpp"
-#include "base/parallel.hpp"
+#include "base/system/memory.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 

@@ -19,7 +19,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident_kernels.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
 

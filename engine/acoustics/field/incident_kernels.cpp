@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "acoustics/lanes.hpp"
-#include "array/turns.hpp"
+#include "array/field/turns.hpp"
 
 namespace palpa::acoustics {
 

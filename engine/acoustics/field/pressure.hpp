@@ -10,11 +10,11 @@
 #include <span>
 #include <vector>
 
-#include "array/directivity.hpp"
 #include "array/drive_options.hpp"
+#include "array/field/directivity.hpp"
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::acoustics {
 

@@ -11,7 +11,11 @@ constexpr float rounding = 1 + 5e-7f;
 
 }  // namespace
 
-AmplitudeSteps::AmplitudeSteps(std::vector<double> levels) : levels_(levels.begin(), levels.end()) {
+AmplitudeSteps::AmplitudeSteps(const std::vector<Step>& steps) {
+  for (const Step& step : steps) {
+    levels_.push_back(static_cast<float>(step.level));
+    codes_.push_back(step.code);
+  }
   assert(levels_.size() > 1 && levels_.size() <= 256 && levels_.front() == 0 && levels_.back() == 1);
   std::size_t number = 0;
   for (std::size_t i = 0; i <= entries; ++i) {

@@ -10,12 +10,16 @@ namespace palpa::array {
 
 class AmplitudeSteps {
  public:
-  /// `levels` ascend from 0 to 1; at most 256 of them.
-  explicit AmplitudeSteps(std::vector<double> levels);
+  struct Step {
+    double level;       ///< amplitude, 0 to 1
+    std::uint8_t code;  ///< the number that the board is sent for it
+  };
+  /// Levels ascend from 0 to 1; at most 256 of them.
+  explicit AmplitudeSteps(const std::vector<Step>& steps);
 
-  std::size_t count() const { return levels_.size(); }
   /// The amplitude of step `number`, from 0 on.
   float level(std::size_t number) const { return levels_[number]; }
+  std::uint8_t code(std::size_t number) const { return codes_[number]; }
   /// The least amplitude that sounds.
   float least() const { return levels_[1]; }
 
@@ -28,6 +32,7 @@ class AmplitudeSteps {
  private:
   static constexpr std::size_t entries = 1024;
   std::vector<float> levels_;
+  std::vector<std::uint8_t> codes_;
   std::array<std::uint8_t, entries + 1> below_{};  ///< the highest step not above i / entries
 };
 

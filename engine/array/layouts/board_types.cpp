@@ -58,27 +58,28 @@ double pulse_amplitude(double part) {
   return part < 1 ? std::sin(part * std::numbers::pi / 2) : 1;
 }
 
-/// 64 pulse widths.
+/// 64 pulse widths, which a board is sent as they are.
 const AmplitudeSteps* openmpd_amplitudes() {
   static const AmplitudeSteps steps([] {
-    std::vector<double> levels;
+    std::vector<AmplitudeSteps::Step> widths;
     for (int width = 0; width <= 64; ++width)
-      levels.push_back(pulse_amplitude(width / 64.0));
-    return levels;
+      widths.push_back({pulse_amplitude(width / 64.0), static_cast<std::uint8_t>(width)});
+    return widths;
   }());
   return &steps;
 }
 
-/// Of 256 pulse widths, those that an intensity of 0 to 255 selects: round(256 asin(intensity / 255) 2 / pi).
+/// Of 256 pulse widths, those that an intensity of 0 to 255 selects: round(256 asin(intensity / 255) 2 / pi). A board
+/// is sent the least intensity of each.
 const AmplitudeSteps* autd3_amplitudes() {
   static const AmplitudeSteps steps([] {
-    std::vector<double> levels;
+    std::vector<AmplitudeSteps::Step> widths;
     for (int intensity = 0; intensity <= 255; ++intensity) {
       const double width = std::round(512 / std::numbers::pi * std::asin(intensity / 255.0));
-      if (const double level = pulse_amplitude(width / 256); levels.empty() || level > levels.back())
-        levels.push_back(level);
+      if (const double level = pulse_amplitude(width / 256); widths.empty() || level > widths.back().level)
+        widths.push_back({level, static_cast<std::uint8_t>(intensity)});
     }
-    return levels;
+    return widths;
   }());
   return &steps;
 }
@@ -150,10 +151,10 @@ const BoardType* find_board_type(std::string_view name) {
   return found == std::end(types) ? nullptr : found;
 }
 
-std::string known_board_types(std::string_view last) {
+std::string known_board_types() {
   std::string names;
   for (const BoardType& type : types) {
-    if (!names.empty()) names += &type == &types[std::size(types) - 1] ? last : ", ";
+    if (!names.empty()) names += ", ";
     names += type.name;
   }
   return names;

@@ -40,7 +40,7 @@ struct BoardType {
 std::span<const BoardType> board_types();
 /// Null for an unknown type.
 const BoardType* find_board_type(std::string_view name);
-/// Their names as text for people: "autd3, openmpd, ...", with `last` before the last one: ", " or " or ".
-std::string known_board_types(std::string_view last = ", ");
+/// Their names as text for people: "autd3, openmpd, ...".
+std::string known_board_types();
 
 }  // namespace palpa::array

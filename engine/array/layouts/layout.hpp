@@ -34,6 +34,9 @@ struct Layout {
   std::string name;
   std::vector<Transducer> transducers;  ///< in drive order
   std::vector<Board> boards;            ///< ascending by `first`; individual transducers belong to no board
+  /// 0..1: what the amplitude of each transducer is multiplied by, from its board's own file. Empty: nothing. Only
+  /// links to boards fill it (session::Link::boards).
+  std::vector<float> factors{};
   double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
   double frequency_hz = 40e3;           ///< the design frequency of its transducers
   double transducer_radius_m = 4.5e-3;  ///< of the sounding part; the piston's directivity depends on it

@@ -15,8 +15,8 @@
 #include "array/layouts/builtin_layouts.hpp"
 #include "array/medium.hpp"
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/toml.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/toml.hpp"
 
 namespace palpa::array {
 namespace {

@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
-#include "array/constraint.hpp"
-#include "array/transfer.hpp"
+#include "array/field/constraint.hpp"
+#include "array/field/transfer.hpp"
 
 namespace palpa::array {
 

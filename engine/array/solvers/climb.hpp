@@ -21,9 +21,9 @@
 #include <span>
 #include <vector>
 
+#include "array/field/transfer.hpp"
 #include "array/solvers/climb_lanes.hpp"
 #include "array/solvers/share_step.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "array/transfer.hpp"
+#include "array/field/transfer.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {

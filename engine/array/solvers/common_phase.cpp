@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "array/field/turns.hpp"
 #include "array/layouts/board_types.hpp"
-#include "array/turns.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "array/split_rows.hpp"
+#include "array/field/split_rows.hpp"
 
 namespace palpa::array {
 

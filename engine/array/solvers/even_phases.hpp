@@ -17,8 +17,8 @@
 #include <span>
 #include <vector>
 
+#include "array/field/transfer.hpp"
 #include "array/solvers/even_out.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 

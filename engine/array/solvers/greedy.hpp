@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <span>
 
-#include "array/transfer.hpp"
+#include "array/field/transfer.hpp"
 
 namespace palpa::array {
 

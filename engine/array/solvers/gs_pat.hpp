@@ -17,11 +17,11 @@
 #include <span>
 #include <vector>
 
-#include "array/constraint.hpp"
+#include "array/field/constraint.hpp"
+#include "array/field/transfer.hpp"
 #include "array/solvers/even_out.hpp"
 #include "array/solvers/even_phases.hpp"
 #include "array/solvers/search.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 

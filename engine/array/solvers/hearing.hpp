@@ -7,8 +7,8 @@
 #include <optional>
 #include <span>
 
-#include "array/constraint.hpp"
-#include "array/transfer.hpp"
+#include "array/field/constraint.hpp"
+#include "array/field/transfer.hpp"
 
 namespace palpa::array {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "array/split_rows.hpp"
+#include "array/field/split_rows.hpp"
 
 namespace palpa::array {
 

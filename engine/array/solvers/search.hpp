@@ -14,10 +14,10 @@
 #include <span>
 #include <vector>
 
+#include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/solvers/climb.hpp"
 #include "array/solvers/search_lanes.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::array {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "array/transfer.hpp"
+#include "array/field/transfer.hpp"
 
 namespace palpa::array {
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <utility>
 
+#include "array/field/turns.hpp"
 #include "array/solvers/even_out.hpp"
 #include "array/solvers/hearing.hpp"
-#include "array/turns.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {
@@ -319,7 +319,7 @@ std::uint32_t settle(const SilentGoal& goal, Level level, std::uint32_t tries, S
 
 }  // namespace
 
-Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentScratch& scratch) {
+void silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentScratch& scratch) {
   const std::size_t foci = goal.targets.size(), rows = foci + goal.null_rows;
   assert(drive.size() == goal.foci.transducers && goal.null_rows <= goal.nulls.rows);
   for (PhasedSounds* sounds : {&scratch.now, &scratch.tried})
@@ -345,8 +345,8 @@ Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentS
   make_pass(now, {}, now);
   State state = state_of(goal, now);
   const double before = state.level;
-  Silenced result{.depth = 0, .miss = 0, .tries = settle(goal, Level::free, silent_tries, state, scratch)};
-  const bool has_lost = result.tries > silent_few || state.level < silent_keeps * before;
+  const std::uint32_t tries = settle(goal, Level::free, silent_tries, state, scratch);
+  const bool has_lost = tries > silent_few || state.level < silent_keeps * before;
   if (has_lost && foci > 1 && rows <= silent_raised_rows) {
     double push = silent_push;
     for (std::uint32_t raise = 0; raise < silent_raises && push > silent_push / 4; ++raise) {
@@ -354,7 +354,7 @@ Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentS
       multiply_rows(scratch);
       State then = try_step(goal, state, Level::kept, push, raise_damping, scratch);
       std::swap(scratch.now, scratch.tried);
-      result.tries += 1 + settle(goal, Level::kept, silent_settles, then, scratch);
+      settle(goal, Level::kept, silent_settles, then, scratch);
       if (then.weakest > raise_worth * state.weakest && then.depth < std::max(raise_depth, state.depth)) {
         state = then;
       } else {
@@ -362,13 +362,10 @@ Silenced silent_phases(const SilentGoal& goal, std::span<Complex> drive, SilentS
         push /= 3;
       }
     }
-    result.tries += settle(goal, Level::kept, silent_tries, state, scratch);
+    settle(goal, Level::kept, silent_tries, state, scratch);
   }
   for (std::size_t n = 0; n < drive.size(); ++n)
     drive[n] = {scratch.now.re[n], scratch.now.im[n]};
-  result.depth = state.depth;
-  result.miss = state.miss;
-  return result;
 }
 
 }  // namespace palpa::array

@@ -21,7 +21,7 @@
 #include <span>
 #include <vector>
 
-#include "array/split_rows.hpp"
+#include "array/field/split_rows.hpp"
 
 namespace palpa::array {
 
@@ -63,14 +63,7 @@ struct SilentGoal {
   std::span<const double> loudness;  ///< l of each of these rows
 };
 
-/// The result.
-struct Silenced {
-  double depth = 0;         ///< largest |p| of a null's row relative to L
-  double miss = 0;          ///< of a focus
-  std::uint32_t tries = 0;  ///< passes over the transducers, including those of undone steps
-};
-
 /// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1.
-Silenced silent_phases(const SilentGoal& goal, std::span<std::complex<double>> drive, SilentScratch& scratch);
+void silent_phases(const SilentGoal& goal, std::span<std::complex<double>> drive, SilentScratch& scratch);
 
 }  // namespace palpa::array

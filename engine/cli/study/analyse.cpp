@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "study/comparison.hpp"
@@ -44,6 +44,7 @@ void analyse_counts(const AnalyseCommand& o, const Outputs& outputs) {
   std::vector<std::string> left_out;
   if (!file.warning.empty()) left_out.push_back(file.warning);
   warn_of(left_out);
+  left_out = lines_in_reports(std::move(left_out), o.sources);
   const study::Comparison table = study::compare_tables({{names_in_reports(o.sources)[0], std::move(file.table)}});
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return comparison_text(table); },
@@ -62,8 +63,9 @@ void run_analyse(const AnalyseCommand& o) {
   }
   study::Study study = study::read_study(o.sources);
   refuse_participants_folders(o.sources, files);
+  warn_of(study.left_out);
+  study.left_out = lines_in_reports(std::move(study.left_out), o.sources);
   const study::Analysis analysis = study::analyse(std::move(study), o.common.seed);
-  warn_of(analysis.study.left_out);
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return analysis_text(analysis); },
                  .json = [&] { return analysis_json(analysis); },

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "study/comparison.hpp"
@@ -51,6 +51,7 @@ void run_compare(const CompareCommand& o) {
   const study::Comparison comparison = study::compare_tables(std::move(tables));
   left_out.insert(left_out.end(), comparison.not_compared.begin(), comparison.not_compared.end());
   warn_of(left_out);
+  left_out = lines_in_reports(std::move(left_out), o.sources);
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return comparison_text(comparison); },
                  .json = [&] { return comparison_json(comparison, left_out); },

@@ -3,15 +3,15 @@
 #include <iterator>
 #include <string>
 
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
 #include "line/values.hpp"
-#include "setup/options.hpp"
-#include "setup/study_options.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/study_options.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/sitting/ear_level.hpp"
 
 namespace palpa::cli {

@@ -8,8 +8,8 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 
 namespace palpa::cli {
 
@@ -63,6 +63,25 @@ std::vector<std::string> names_in_reports(const std::vector<std::string>& source
     names.push_back(name_of(source, parts));
   }
   return names;
+}
+
+std::vector<std::string> lines_in_reports(std::vector<std::string> lines, const std::vector<std::string>& sources) {
+  const std::vector<std::string> names = names_in_reports(sources);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    std::string path = sources[i];
+    while (path.size() > 1 && path.ends_with('/'))
+      path.pop_back();
+    for (std::string& line : lines) {
+      for (std::size_t at = 0; (at = line.find(path, at)) != std::string::npos;) {
+        const std::size_t end = at + path.size();
+        const bool whole =
+            (at == 0 || line[at - 1] == ' ') && end < line.size() && (line[end] == '/' || line[end] == ':');
+        if (whole) line.replace(at, path.size(), names[i]);
+        at += whole ? names[i].size() : path.size();
+      }
+    }
+  }
+  return lines;
 }
 
 void write_reports(const setup::CommonOptions& common, const StudyOutputs& options, const Outputs& declared,

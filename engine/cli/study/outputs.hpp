@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "line/values.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::cli {
 
@@ -32,6 +32,8 @@ void write_reports(const setup::CommonOptions& common, const StudyOutputs& optio
 
 /// What reports call these files and folders: the last part of each path, or as many parts as tell them apart.
 std::vector<std::string> names_in_reports(const std::vector<std::string>& sources);
+/// Lines about these files and folders, and about files in them, with the names that reports use.
+std::vector<std::string> lines_in_reports(std::vector<std::string> lines, const std::vector<std::string>& sources);
 
 /// One warning per line.
 void warn_of(const std::vector<std::string>& lines);

@@ -2,21 +2,22 @@
 
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "cli/study/commands.hpp"
 #include "experiment/observe.hpp"
 #include "line/values.hpp"
-#include "setup/assets.hpp"
-#include "setup/options.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/plan/order.hpp"
 #include "study/sitting/ear_level.hpp"
 
@@ -46,14 +47,20 @@ struct Strength {
   study::EarLevel level;
   double crest_n = 0;        ///< of a single focus on a finger
   double paper_ceiling = 0;  ///< at which that would be the paper's
+  double paper_db = 0;       ///< with exact amplitudes
 };
 
 constexpr double paper_n = 16e-3;
 
 Strength strength_of(const study::StudyPlan& plan, std::span<const Box> objects) {
   experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
-  return {study::predict_ear_level(plan, objects), experiment::crest_force_n(plan, finger),
-          experiment::ceiling_for_n(plan, paper_n, finger)};
+  const double paper_ceiling = experiment::ceiling_for_n(plan, paper_n, finger);
+  // Boards play full amplitude exactly, and sound pressure follows the ceiling.
+  study::StudyPlan full = plan;
+  full.level.ceiling = 1;
+  full.level.limit_db = std::numeric_limits<double>::infinity();
+  const double paper_db = study::predict_ear_level(full, objects).loudest_db() + 20 * std::log10(paper_ceiling);
+  return {study::predict_ear_level(plan, objects), experiment::crest_force_n(plan, finger), paper_ceiling, paper_db};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,
@@ -68,11 +75,9 @@ std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, c
                  "crest of a single focus\n",
                  plan.level.ceiling, strength.level.loudest_db(), strength.level.word(), plan.level.limit_db,
                  strength.crest_n * 1e3);
-  // Sound pressure follows the ceiling.
-  const double paper_db = strength.level.loudest_db() + 20 * std::log10(strength.paper_ceiling / plan.level.ceiling);
   fmt::format_to(std::back_inserter(text), "the paper's force, {:g} mN, needs a ceiling of about {:.2g}{}, {:.0f} dB\n",
                  paper_n * 1e3, strength.paper_ceiling, strength.paper_ceiling > 1 ? ", more than the array has" : "",
-                 paper_db);
+                 strength.paper_db);
   for (std::size_t i = 0; i < steps.size();) {
     const study::PlanBlock& block = plan.blocks[steps[i].block];
     std::size_t end = i;

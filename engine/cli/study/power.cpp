@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "study/report/power_report.hpp"

@@ -4,15 +4,15 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/study/commands.hpp"
 #include "line/values.hpp"
-#include "setup/interrupt.hpp"
-#include "setup/options.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/options/options.hpp"
+#include "setup/process/interrupt.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/sitting/record.hpp"
 #include "study/sitting/rehearsal.hpp"
 

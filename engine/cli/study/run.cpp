@@ -12,7 +12,7 @@
 #include "cli/study/commands.hpp"
 #include "line/option_table.hpp"
 #include "line/values.hpp"
-#include "setup/study_options.hpp"
+#include "setup/options/study_options.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -5,18 +5,18 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
-#include "base/sha256.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/sha256.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "experiment/observe.hpp"
 #include "observer/comparison.hpp"
 #include "observer/predicted/prediction_reports.hpp"
 #include "observer/prediction.hpp"
-#include "setup/assets.hpp"
-#include "setup/progress.hpp"
-#include "setup/study_plan.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/process/progress.hpp"
+#include "setup/sessions/study_plan.hpp"
 #include "study/comparison.hpp"
 #include "study/plan/plan_file.hpp"
 
@@ -79,6 +79,7 @@ void run_study_simulate(const StudySimulateCommand& o) {
   observer::Comparison comparison = observer::compare(prediction, tables);
   comparison.left_out.insert(comparison.left_out.begin(), left_out.begin(), left_out.end());
   warn_of(comparison.left_out);
+  comparison.left_out = lines_in_reports(std::move(comparison.left_out), o.beside);
   if (!o.prediction.empty()) write_file(o.prediction, document);
   write_reports(o.common, o.outputs, outputs,
                 {.text = [&] { return prediction_text(prediction, comparison, hash); },

@@ -5,15 +5,15 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "cli/study/commands.hpp"
 #include "line/values.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "study/plan/order.hpp"
 
 namespace palpa::cli {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 
 namespace palpa::geometry::ply {
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/files/ply.hpp"

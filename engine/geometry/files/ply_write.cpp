@@ -3,7 +3,7 @@
 #include <bit>
 #include <string_view>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "geometry/files/ply.hpp"
 
 namespace palpa::geometry {

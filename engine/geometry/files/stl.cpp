@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 #include "geometry/mesh/topology.hpp"
 
 namespace palpa::geometry {

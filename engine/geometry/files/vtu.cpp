@@ -6,7 +6,7 @@
 #include <cassert>
 #include <cstring>
 
-#include "base/output_file.hpp"
+#include "base/files/output_file.hpp"
 
 namespace palpa::geometry {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "base/math.hpp"
 #include "geometry/gltf_document/container.hpp"
 #include "geometry/gltf_document/document.hpp"

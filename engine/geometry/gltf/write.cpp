@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry {

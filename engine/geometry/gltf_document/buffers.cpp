@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/reference.hpp"
+#include "base/files/reference.hpp"
 #include "geometry/text.hpp"
 
 namespace palpa::geometry::gltf {

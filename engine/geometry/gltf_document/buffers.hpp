@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "geometry/gltf_document/document.hpp"
 
 namespace palpa::geometry::gltf {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 
 namespace palpa::geometry::gltf {
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/reference.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
-#include "base/reference.hpp"
 #include "base/text.hpp"
 #include "geometry/gltf_document/buffers.hpp"
 #include "geometry/gltf_document/data.hpp"

@@ -18,7 +18,7 @@ const std::array<std::string, 14> keys{"touchable", "delta_m",     "foci",      
                                        "intensity", "pressure_pa", "press_depth_m", "click",  "stiffness",
                                        "texture",   "grain_m",     "part_of",       "seam_m"};
 
-constexpr std::string_view prefix = "palpa_";
+constexpr std::string_view own_name = "palpa", prefix = "palpa_";
 
 /// Letters and digits alone, in lower case.
 std::string squashed(std::string_view text) {
@@ -40,12 +40,18 @@ std::string key_like(std::string_view spelt) {
   return without_unit != keys.end() ? *without_unit : nearest_word(spelt, keys);
 }
 
-/// Whether a key is palpa's in another spelling, such as palpa-foci, palpaFoci, Palpa_foci or palpafoci, and not
-/// another word, such as palpable.
+/// Without the spaces and signs before it, also those of Unicode.
+std::string_view from_letter(std::string_view text) {
+  return text.substr(std::min(text.find_first_not_of("_-.: \t\r\n\xC2\xA0\xEF\xBB\xBF"), text.size()));
+}
+
+/// Whether a key is palpa's in another spelling, such as palpa-foci, palpaFoci, " palpa_foci" or palpafoci, and
+/// not another word, such as palpable.
 bool is_misspelt(const std::string& key) {
-  constexpr std::string_view name = "palpa";
-  if (key == name || key.starts_with(prefix) || !squashed(key.substr(0, name.size())).starts_with(name)) return false;
-  const std::string_view rest = std::string_view(key).substr(name.size());
+  const std::string_view bare = from_letter(key);
+  if (key == own_name || key.starts_with(prefix) || !squashed(bare.substr(0, own_name.size())).starts_with(own_name))
+    return false;
+  const std::string_view rest = bare.substr(own_name.size());
   const bool goes_on = !rest.empty() && rest[0] >= 'a' && rest[0] <= 'z';
   return !goes_on || std::ranges::find(keys, squashed(rest), squashed) != keys.end();
 }
@@ -62,6 +68,26 @@ bool has_palpa_extras(const Json& item) {
   if (!item.is_object()) return false;
   const auto found = item.find("extras");
   return found != item.end() && has_palpa_keys(*found);
+}
+
+/// The places in an item with such keys, such as "material 0" or "mesh 1, primitive 0"; empty for the item itself.
+std::vector<std::string> places_in(const Json& item) {
+  std::vector<std::string> places;
+  if (has_palpa_extras(item)) places.emplace_back();
+  const auto look_at = [&](const Json& part, const std::string& called) {
+    if (!part.is_structured()) return;
+    for (const std::string& place : places_in(part))
+      places.push_back(printable(called, 40) + (place.empty() ? "" : ", ") + place);
+  };
+  for (const auto& [key, value] : item.items()) {
+    if (key == "extras") continue;
+    if (value.is_object()) look_at(value, key);
+    if (!value.is_array() || value.empty() || !value.front().is_structured()) continue;
+    const std::string one = key.substr(0, key.size() - (key == "meshes" ? 2 : key.ends_with('s') ? 1 : 0));
+    for (std::size_t i = 0; i < value.size(); ++i)
+      look_at(value[i], fmt::format("{} {}", one, i));
+  }
+  return places;
 }
 
 struct Range {
@@ -252,39 +278,23 @@ bool has_palpa_extras(const Item& item) {
 
 std::vector<std::string> extras_elsewhere(const Item& root) {
   constexpr std::size_t most = 8;
-  constexpr std::pair<const char*, const char*> lists[]{{"scenes", "scene"},         {"materials", "material"},
-                                                        {"cameras", "camera"},       {"skins", "skin"},
-                                                        {"animations", "animation"}, {"meshes", "mesh"}};
-  std::vector<std::string> places;
-  const auto look_at = [&](const Json& item, const std::string& place) {
-    if (places.size() < most && has_palpa_extras(item)) places.push_back(place);
-  };
-  const Json none = Json::array();
-  const auto list_of = [&](const Json& item, const char* key) -> const Json& {
-    const auto found = item.is_object() ? item.find(key) : item.end();
-    return found != item.end() && found->is_array() ? *found : none;
-  };
-  look_at(root.json(), "the file");
-  for (const auto& [key, name] : lists) {
-    std::size_t index = 0;
-    for (const Json& item : list_of(root.json(), key)) {
-      const std::string place = fmt::format("{} {}", name, index++);
-      if (key != std::string_view("meshes")) look_at(item, place);
-      for (const Json& primitive : list_of(item, "primitives"))
-        look_at(primitive, place + ", primitive");
-    }
-  }
+  std::vector<std::string> places = places_in(root.json());
+  std::erase_if(places, [](const std::string& place) {
+    return place.find(',') == std::string::npos && (place.starts_with("node ") || place.starts_with("mesh "));
+  });
+  if (places.size() > most) places.resize(most);
+  std::ranges::replace(places, "", "the file");
   return places;
 }
 
 std::string explain_unknown(const std::string& key) {
   const bool flat = key.starts_with(prefix) || is_misspelt(key);
-  std::string_view bare = key;
-  if (flat) bare.remove_prefix(prefix.size() - 1);
-  bare.remove_prefix(std::min(bare.find_first_not_of("_-.: "), bare.size()));
+  const std::string_view bare = flat ? from_letter(from_letter(key).substr(own_name.size())) : key;
+  if (flat && bare.empty()) return "did you mean \"palpa\"?";
   const std::string meant = key_like(bare);
-  return meant.empty() ? fmt::format("known are {}", fmt::join(keys, ", "))
-                       : fmt::format("did you mean \"{}{}\"?", flat ? prefix : "", meant);
+  if (meant.empty()) return fmt::format("known are {}", fmt::join(keys, ", "));
+  const std::string whole = fmt::format("{}{}", prefix, meant);  // within an object "palpa", it is unknown
+  return fmt::format("did you mean \"{}\"?", flat && whole != key ? whole : meant);
 }
 
 }  // namespace palpa::geometry::gltf

@@ -40,8 +40,8 @@ bool has_palpa_extras(const Item& item);
 inline constexpr const char* extras_belong_to_nodes =
     "palpa reads only the extras of nodes (Blender: the object's custom properties)";
 
-/// The places, at most 8, where extras beside those of nodes and meshes have such keys: "material 0". They have no
-/// meaning there.
+/// The places, at most 8, where extras beside those of nodes and meshes have such keys: "material 0", "asset",
+/// "extensions, KHR_lights_punctual, light 0". They have no meaning there.
 std::vector<std::string> extras_elsewhere(const Item& root);
 
 /// For "palpa_delta" or "palpaDelta": the key that was probably meant, for the warning; all known keys if none is

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "base/parallel.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/parallel.hpp"
+#include "base/system/start_thread.hpp"
 
 namespace palpa::geometry {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/mesh/predicates.hpp"
 #include "geometry/mesh/topology.hpp"
 

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <optional>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/mesh/predicates.hpp"
 #include "geometry/mesh/topology.hpp"
 

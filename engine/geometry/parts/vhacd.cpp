@@ -1,7 +1,7 @@
 #include "geometry/parts/vhacd.hpp"
 
 #include "base/error.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 
 #ifdef PALPA_VHACD
 

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 
 namespace palpa::geometry {
 namespace {

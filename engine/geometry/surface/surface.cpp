@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "base/cache_file.hpp"
+#include "base/files/cache_file.hpp"
 #include "geometry/mesh/bvh.hpp"
 #include "geometry/mesh/topology.hpp"
 #include "geometry/parts/convex.hpp"

@@ -15,7 +15,7 @@
 #include "base/activity.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/surface/surface_contest.hpp"
 #include "geometry/surface/surface_keep.hpp"
 #include "geometry/surface/surface_samples.hpp"

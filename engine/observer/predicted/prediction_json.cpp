@@ -1,6 +1,6 @@
 #include <optional>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "observer/predicted/prediction_reports.hpp"
 #include "study/pages/measures_json.hpp"
 

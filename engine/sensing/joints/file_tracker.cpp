@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
+#include "base/files/input_file.hpp"
 #include "base/log.hpp"
 #include "sensing/joints/hand_check.hpp"
 #include "sensing/joints/left_out.hpp"

@@ -83,6 +83,12 @@ std::optional<HandDoubt> HandCheck::doubt_of(const TrackedHand& hand, double tim
 }
 
 std::optional<HandDoubt> HandCheck::check(TrackedFrame& frame, double arrived_s) {
+  const std::optional<HandDoubt> doubt = remove_doubtful(frame, arrived_s);
+  frame.in_doubt = doubt.has_value();
+  return doubt;
+}
+
+std::optional<HandDoubt> HandCheck::remove_doubtful(TrackedFrame& frame, double arrived_s) {
   std::vector<TrackedHand>& hands = frame.hands;
   const bool trusted = trusts_clock(frame.time_s, arrived_s);
   if (changed_side(frame)) side_s_ = arrived_s;

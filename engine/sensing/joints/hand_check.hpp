@@ -38,8 +38,8 @@ inline constexpr double longest_delay_s = 1;
 /// One tracker's frames, in the order of their times.
 class HandCheck {
  public:
-  /// Removes the hands in doubt. `arrived_s` is on palpa's clock; of a file's frame, its own time. Returns the doubt
-  /// about the last of them.
+  /// Removes the hands in doubt, and says so in the frame. `arrived_s` is on palpa's clock; of a file's frame, its own
+  /// time. Returns the doubt about the last of them.
   std::optional<HandDoubt> check(TrackedFrame& frame, double arrived_s);
 
  private:
@@ -50,6 +50,7 @@ class HandCheck {
     double time_s = 0;   ///< on the tracker's clock
     double moved_s = 0;  ///< on palpa's
   };
+  std::optional<HandDoubt> remove_doubtful(TrackedFrame& frame, double arrived_s);
   bool trusts_clock(double time_s, double arrived_s);
   bool changed_side(const TrackedFrame& frame) const;
   std::optional<HandDoubt> doubt_of(const TrackedHand& hand, double time_s, double arrived_s);

@@ -56,6 +56,12 @@ bool has_radii(const TrackedHand& hand) {
       all, [&](double radius_m) { return finger_radius_m.hold(radius_m) && radius_part.hold(radius_m / median_m); });
 }
 
+/// The bone that begins at `joint`, and the next one.
+bool bends(const TrackedHand& hand, std::size_t joint) {
+  const double both_m = bone_m(hand, joint) + bone_m(hand, joint + 1);
+  return bend.hold(glm::distance(hand.joints[joint], hand.joints[joint + 2]) / both_m);
+}
+
 bool has_finger(const TrackedHand& hand, std::size_t finger, double size_m) {
   const double finger_m = length_m(hand, finger);
   if (!(finger == 0 ? thumb_length : finger_length).hold(finger_m / size_m)) return false;
@@ -64,10 +70,31 @@ bool has_finger(const TrackedHand& hand, std::size_t finger, double size_m) {
   }
   const std::size_t first = finger_joints[finger].first;
   if (finger > 0 && !metacarpal_length.hold(bone_m(hand, first) / size_m)) return false;
+  if (!bends(hand, first) || !bends(hand, first + 1)) return false;
   const auto is_near_palm = [&](std::size_t joint) {
     return from_palm.hold(glm::distance(hand.joints[palm_joint], hand.joints[joint]) / size_m);
   };
   return is_near_palm(first) && is_near_palm(first + 1);
+}
+
+bool has_palm(const TrackedHand& hand, double size_m) {
+  const auto apart_m = [&](std::size_t a, std::size_t b) { return glm::distance(hand.joints[a], hand.joints[b]); };
+  const auto metacarpal = [&](std::size_t f) { return hand.joints[root_of(f)] - hand.joints[finger_joints[f].first]; };
+  double row_m = 0;
+  for (std::size_t f = 1; f < fingers; ++f) {
+    const double length_m = apart_m(wrist_joint, root_of(f));
+    if (!palm_length.hold(length_m / size_m)) return false;
+    if (!palm_root.hold(apart_m(wrist_joint, finger_joints[f].first) / length_m)) return false;
+    if (f + 1 == fingers) break;
+    const double gap_m = apart_m(root_of(f), root_of(f + 1));
+    if (!knuckles_apart.hold(gap_m / size_m)) return false;
+    row_m += gap_m;
+    const Vec3 one = metacarpal(f), other = metacarpal(f + 1);
+    if (!(glm::dot(one, other) >= metacarpals_cosine * glm::length(one) * glm::length(other))) return false;
+  }
+  const double width_m = apart_m(root_of(1), root_of(fingers - 1));
+  return palm_width.hold(width_m / size_m) && knuckle_row.hold(width_m / row_m) &&
+         from_palm.hold(apart_m(palm_joint, wrist_joint) / size_m);
 }
 
 }  // namespace
@@ -79,12 +106,7 @@ std::optional<Misfit> misfit_of(const TrackedHand& hand) {
   for (std::size_t f = 0; f < fingers; ++f) {
     if (!has_finger(hand, f, size_m)) return Misfit::shape;
   }
-  for (std::size_t f = 1; f + 1 < fingers; ++f) {
-    const double apart_m = glm::distance(hand.joints[root_of(f)], hand.joints[root_of(f + 1)]);
-    if (!knuckles_apart.hold(apart_m / size_m)) return Misfit::shape;
-  }
-  if (!from_palm.hold(glm::distance(hand.joints[palm_joint], hand.joints[wrist_joint]) / size_m)) return Misfit::shape;
-  return std::nullopt;
+  return has_palm(hand, size_m) ? std::nullopt : std::optional(Misfit::shape);
 }
 
 }  // namespace palpa::sensing

@@ -29,6 +29,7 @@ struct TrackedHand {
 struct TrackedFrame {
   double time_s = 0;  ///< capture, on the tracker's clock
   std::vector<TrackedHand> hands;
+  bool in_doubt = false;  ///< it had hands that were left out (hand_check.hpp)
 };
 
 }  // namespace palpa::sensing

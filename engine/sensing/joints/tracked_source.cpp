@@ -20,6 +20,7 @@ class TrackedSource final : public DepthSource {
     if (!tracker_->next(frame_, out.tracked, out.sequence, timeout_s)) return false;
     if (!out.tracked) return true;
     out.time_s = frame_.time_s;
+    out.in_doubt = frame_.in_doubt;
     for (const TrackedHand& hand : frame_.hands)
       append_capsules(hand, T_world_joints_, out.capsules);
     return true;

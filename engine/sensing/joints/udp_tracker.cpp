@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 #include "sensing/joints/hand_check.hpp"
 #include "sensing/joints/left_out.hpp"
 #include "sensing/joints/read_frame.hpp"

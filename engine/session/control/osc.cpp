@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/log.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "base/text.hpp"
 #include "geometry/haptics.hpp"
 #include "session/control/osc_message.hpp"
@@ -151,6 +151,10 @@ Osc::~Osc() {
 void Osc::listen(const Session& session, RunObserver& observer) {
   values_.set_scene(session);
   observer_ = &observer;
+  listen();
+}
+
+void Osc::listen() {
   thread_ = start_thread("--osc", [this] { work(); });
 }
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "base/sparing.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 #include "session/control/live_values.hpp"
 #include "session/loop/run_options.hpp"
 #include "session/watch/stats.hpp"
@@ -32,6 +32,8 @@ class Osc final : public RunChanges {
   const std::atomic<double>& gain() const { return values_.factor(); }
   /// Messages count from now on, and `observer`, which must outlive the run, hears of solids that move.
   void listen(const Session& session, RunObserver& observer);
+  /// The same for a run without a scene: gain and mute.
+  void listen();
   /// The scene was replaced. To be called from RunChanges::take_scene.
   void set_scene(const Session& session) { values_.set_scene(session); }
   void before_frame(Session& session) override { values_.apply(session, *observer_); }

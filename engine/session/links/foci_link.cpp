@@ -13,7 +13,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 
 namespace palpa::session {
 namespace {
@@ -26,6 +26,11 @@ class FociLink : public Link {
       : sender_(address, "link foci", form), solid_names_(setting.solid_names.begin(), setting.solid_names.end()) {}
 
   void plan(const PlayedPlan& plan) override {
+    once_ = plan.schedule.once && plan.schedule.voice_count > 0;
+    if (once_) {  // its lines go out slot by slot
+      schedule_ = plan.schedule;
+      return;
+    }
     const std::vector<std::string>& names = plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_;
     const bool whole = write_foci_line(plan.schedule, plan.slots, names, json_);
     last_s_ = plan.schedule.time_s;
@@ -41,7 +46,8 @@ class FociLink : public Link {
     sender_.warn();
   }
   /// A drive counts as played if its line of foci was sent.
-  void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
+  void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
+    if (once_) send_slot(slot, sounds(drive));
     played_ += heard_ && sounds(drive) ? 1 : 0;
   }
   std::optional<Carried> carried() const override {
@@ -59,6 +65,29 @@ class FociLink : public Link {
   }
 
  private:
+  void send_slot(std::uint64_t slot, bool audible) {
+    array::foci_of_slot(schedule_, slot, foci_);
+    array::Schedule line;
+    line.slot_s = schedule_.slot_s;
+    line.time_s = static_cast<double>(slot) * schedule_.slot_s;
+    for (const array::SlotFocus& focus : foci_) {
+      array::Voice& voice = line.add_voice();
+      voice.foci = {focus.position};
+      voice.order = {0};
+      voice.dwell_s = schedule_.slot_s;
+      voice.gain = audible ? static_cast<double>(focus.gain) : 0;
+    }
+    write_foci_line(line, {}, solid_names_, json_);
+    last_s_ = line.time_s;
+    ++lines_;
+    heard_ = sender_.send(json_.finish());
+    if (heard_) {
+      ++lines_with_fingers_;
+    } else {
+      ++unsent_;
+      sender_.warn();
+    }
+  }
   void send_silence() {
     array::Schedule nothing;
     nothing.time_s = last_s_;
@@ -69,6 +98,9 @@ class FociLink : public Link {
   UdpSender sender_;
   std::vector<std::string> solid_names_;
   JsonWriter json_;
+  bool once_ = false;         ///< the foci of the plan belong to slots
+  array::Schedule schedule_;  ///< that plan's
+  std::vector<array::SlotFocus> foci_;
   double last_s_ = 0;  ///< time of the last line
   std::uint64_t lines_ = 0, unsent_ = 0;
   bool heard_ = false;  ///< the last line was sent

@@ -16,7 +16,7 @@
 #include <memory>
 #include <string>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"
 

@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "session/links/foci_link.hpp"
 #include "session/links/record_link.hpp"
 #include "session/links/spec.hpp"

@@ -67,8 +67,9 @@ class Link {
   /// listed.
   virtual bool plays_plans() const { return false; }
 
-  /// The layout whose boards play the drives. SafeLink then rounds amplitudes to those that the boards have
-  /// (array/played.hpp). Null: drives are passed on as they are. Must not change.
+  /// The layout whose boards play the drives, with the factors of their transducers. SafeLink then rounds amplitudes to
+  /// those that the boards have (array/layouts/played.hpp): drives and plans have what the wire is to carry. Null:
+  /// drives are passed on as they are. Must not change.
   virtual const array::Layout* boards() const { return nullptr; }
 
   /// Called after the last drive; flushes buffered data. Errors here are also reported.
@@ -91,6 +92,7 @@ struct LinkKind {
   std::function<std::string(const std::string& argument)> own_layout{};
   /// The shortest slot in which the focus may change, for a link with such a limit. Throws as open().
   std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
+  bool plays_plans = false;  ///< as Link::plays_plans()
 };
 
 /// `null`, `record`, `foci`.

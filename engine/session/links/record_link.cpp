@@ -12,8 +12,8 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/output_file.hpp"
-#include "base/stream_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/stream_writer.hpp"
 
 namespace palpa::session {
 namespace {

@@ -7,6 +7,7 @@
 #include <exception>
 #include <utility>
 
+#include "array/loudness.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "touch/types.hpp"
@@ -58,11 +59,15 @@ void check_safety(const Safety& safety) {
 }
 
 SafeLink::SafeLink(Link& link, std::size_t transducers, const Safety& safety, double slot_s,
-                   std::function<void(bool, const HandOver&)> sent)
+                   std::function<void(bool, const HandOver&)> sent, const array::DriveOptions& drive)
     : link_(link), safety_(safety), slot_s_(slot_s), sent_(std::move(sent)), silence_(transducers, {0.0f, 0.0f}) {
   check_safety(safety);
   nothing_.slot_s = slot_s;
-  if (const array::Layout* const layout = link.boards(); layout && !layout->boards.empty()) boards_.emplace(*layout);
+  if (const array::Layout* const layout = link.boards(); layout && !layout->boards.empty()) {
+    boards_.emplace(*layout);
+    requested_.emplace(*layout, *boards_, drive);
+    plays_plans_ = link.plays_plans();
+  }
   if (plain()) return;
   constexpr double rounding = 1e-9;  // 15 ms are ten slots of 1.5 ms despite rounding
   if (ramped())
@@ -93,14 +98,19 @@ void SafeLink::plan(const PlayedPlan& plan) {
     if (!must_fade()) link_.plan(plan);
     return;
   }
-  const auto asks = [](const array::Voice& voice) { return voice.pressure_pa > 0; };
-  const std::span voices = std::span(plan.schedule.voices).first(plan.schedule.voice_count);
-  round_ = std::ranges::any_of(voices, asks) ? array::Round::down : array::Round::nearest;
+  asks_ = array::Loudness::asked(plan.schedule);
   kept_.schedule = plan.schedule;
   kept_.schedule.advance = {};  // the drives that a link gets are of foci that stand
   kept_.cycle = plan.slots.cycle;
-  kept_.drives.assign(plan.drives.begin(), plan.drives.end());
   kept_.foci.assign(plan.foci.begin(), plan.foci.end());
+  if (boards_) find_loudest(plan);
+  if (boards_ && !plays_plans_) {
+    kept_.drives.clear();
+    kept_.cycle.plays = Plays::slot_by_slot;
+    kept_.cycle.length = 0;
+  } else {
+    kept_.drives.assign(plan.drives.begin(), plan.drives.end());
+  }
   until_slot_ = plan.slots.until;
   on_ = true;
   pass_on_scaled(plan.slots.from, ramped() ? factor(std::min(up_ + 1, ramp_drives_)) : ceiling());
@@ -115,7 +125,7 @@ void SafeLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
   if (plain()) {
     pass_on(slot, drive, planned);
   } else if (!ramped()) {
-    send_scaled(slot, drive, ceiling(), planned);
+    send_scaled(slot, drive, slot, ceiling(), planned);
   } else {
     send_ramped(slot, drive, planned);
   }
@@ -140,7 +150,7 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
   scaled_ = kept_;
   scale(scaled_.schedule, factor);
   scale(scaled_.drives, factor);
-  if (boards_) round_plan();
+  if (boards_) round_plan(factor);
   passed_factor_ = factor;
   passed_slot_ = from_slot;
   next_slot_ = std::max(next_slot_, from_slot);
@@ -150,27 +160,59 @@ void SafeLink::pass_on_scaled(std::uint64_t from_slot, double factor) {
            .foci = scaled_.foci});
 }
 
-void SafeLink::round_plan() {
-  const std::size_t transducers = silence_.size();
-  float loudest = 0;
-  for (const array::TransducerDrive& one : scaled_.drives)
-    loudest = std::max(loudest, one.amplitude);
-  if (scaled_.drives.empty()) {  // each slot has its own
-    for (std::uint32_t v = 0; v < scaled_.schedule.voice_count; ++v)
-      loudest = std::max(loudest, static_cast<float>(scaled_.schedule.voices[v].gain));
-  }
-  for (std::size_t first = 0; first < scaled_.drives.size(); first += transducers)
-    boards_->round(std::span(scaled_.drives).subspan(first, transducers), ceiling(), round_);
-  if (!ramped() || up_ == ramp_drives_) warn_if_faint(loudest);
+/// Rounds the drive of a slot of the last plan, which is multiplied by the factor.
+void SafeLink::round(std::span<array::TransducerDrive> drive, std::uint64_t slot, double factor) {
+  if (!asks_) return boards_->round(drive, ceiling());
+  array::foci_of_slot(kept_.schedule, slot, foci_);
+  requested_->round(drive, foci_, ceiling(), factor);
 }
 
-void SafeLink::warn_if_faint(float loudest) {
-  const bool faint = loudest > 0 && !boards_->sounds_at(loudest);
-  if (faint && !faint_) {
+void SafeLink::round_plan(double factor) {
+  const std::size_t transducers = silence_.size();
+  for (std::size_t number = 0; number * transducers < scaled_.drives.size(); ++number)
+    round(std::span(scaled_.drives).subspan(number * transducers, transducers), number, factor);
+  if (!ramped() || up_ == ramp_drives_) warn_if_faint(factor);
+}
+
+/// Copies the loudest drive that the plan lists. If it lists none, the largest gain counts.
+void SafeLink::find_loudest(const PlayedPlan& plan) {
+  const std::size_t transducers = silence_.size();
+  loudest_ = 0;
+  loudest_drive_.clear();
+  const bool rises = plan.schedule.once;  // a sensation may be faint now and loud later
+  for (std::size_t entry = 0; entry < plan.drives.size() && !rises; ++entry) {
+    if (!(plan.drives[entry].amplitude > loudest_)) continue;
+    loudest_ = plan.drives[entry].amplitude;
+    loudest_slot_ = entry / transducers;
+  }
+  if (plan.drives.empty() || rises) {
+    for (std::uint32_t v = 0; v < plan.schedule.voice_count; ++v)
+      loudest_ = std::max(loudest_, static_cast<float>(plan.schedule.voices[v].gain));
+  } else if (loudest_ > 0) {
+    const auto loudest = plan.drives.subspan(loudest_slot_ * transducers, transducers);
+    loudest_drive_.assign(loudest.begin(), loudest.end());
+  }
+}
+
+void SafeLink::warn_if_faint(double factor) {
+  const float loudest = loudest_ * static_cast<float>(factor);
+  bool faint = loudest > 0;
+  if (faint && loudest_drive_.empty()) {
+    faint = !boards_->sounds_at(loudest);
+  } else if (faint) {
+    scaled_drive_ = loudest_drive_;
+    scale(scaled_drive_, factor);
+    round(scaled_drive_, loudest_slot_, factor);
+    faint = !sounds(scaled_drive_);
+  }
+  if (faint && !faint_ && !std::isfinite(boards_->least_to_say())) {
+    log::warning("the array is silent: the files of its boards turn every transducer off");
+  } else if (faint && !faint_) {
     log::warning(fmt::format(
-        "the array is silent: the loudest amplitude is {:.3g}, and the least that {} boards play is {:g}; raise the "
+        "the array is silent: the loudest amplitude is {:.3g}, and the least that {} boards play{} is {:g}; raise the "
         "ceiling, the gain or the pressure",
-        loudest, boards_->finest()->title, boards_->least_to_say()));
+        loudest, boards_->finest()->title, boards_->has_factors() ? " with the factors of their files" : "",
+        boards_->least_to_say()));
   }
   faint_ = faint;
 }
@@ -182,7 +224,10 @@ void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::Transducer
   if (on_ && up_ < ramp_drives_) ++up_;
   if (fading) --up_;
   // A modulation contains all-zero drives; the drive that fades out must be one that sounds.
-  if (on_ && audible) last_.assign(drive.begin(), drive.end());
+  if (on_ && audible) {
+    last_.assign(drive.begin(), drive.end());
+    last_slot_ = slot;
+  }
   if (fading && up_ == 0) {
     link_.plan({.schedule = nothing_, .slots = {slot, slot}});
   } else if (must_fade() && kept_.schedule.voice_count > 0 && factor(up_) != passed_factor_) {
@@ -190,15 +235,27 @@ void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::Transducer
     const bool due = static_cast<double>(slot - passed_slot_) * slot_s_ >= replan_s;
     if (due || up_ == ramp_drives_) pass_on_scaled(slot, factor(up_));
   }
-  send_scaled(slot, fading ? std::span<const array::TransducerDrive>(last_) : drive, factor(up_), planned);
+  const auto now = fading ? std::span<const array::TransducerDrive>(last_) : drive;
+  send_scaled(slot, now, fading ? last_slot_ : slot, factor(up_), planned);
 }
 
-void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor,
-                           bool planned) {
+/// `made_for` is the slot whose drive it is.
+void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, std::uint64_t made_for,
+                           double factor, bool planned) {
+  const bool sounding = planned && factor > 0;  // a ceiling of 0 is silence, whatever the plan has
+  // If a board plays the plan that was passed on, it modulates a single drive by itself. Foci that request a pressure
+  // do not advance, so that the drive of a slot is the plan's.
+  const std::uint32_t length = plays_plans_ && kept_.drives.size() == scaled_.drives.size() ? kept_.cycle.length : 0;
+  const bool as_planned = asks_ && kept_.cycle.modulation_hz == 0 && factor == passed_factor_;
+  if (sounding && (length == 1 || (length > 1 && as_planned))) {
+    const std::size_t first = slot % length * silence_.size();
+    const auto own = std::span<const array::TransducerDrive>(scaled_.drives).subspan(first, silence_.size());
+    return pass_on(slot, sounds(drive) ? own : silence_, true);
+  }
   scaled_drive_.assign(drive.begin(), drive.end());
   scale(scaled_drive_, factor);
-  if (boards_) boards_->round(scaled_drive_, ceiling(), round_);
-  pass_on(slot, scaled_drive_, planned && factor > 0);  // a ceiling of 0 is silence, whatever the plan has
+  if (boards_) round(scaled_drive_, made_for, factor);
+  pass_on(slot, scaled_drive_, sounding);
 }
 
 void SafeLink::pass_on(const PlayedPlan& plan) {

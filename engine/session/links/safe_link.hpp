@@ -13,7 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "array/played.hpp"
+#include "array/layouts/played.hpp"
+#include "array/requested_play.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 #include "session/links/slots.hpp"
@@ -41,17 +42,19 @@ double ceiling_of(const Safety& safety);
 /// Throws bad_usage if the ceiling or the ramp is out of range.
 void check_safety(const Safety& safety);
 
-/// Plays to another link. A board's drives are rounded as array::BoardPlay does, so what counts as sounding is what
-/// sounds: a drive below the board's least amplitude is silent. If fingers request a pressure, amplitudes are rounded
-/// down. Warns if a plan with fingers is silent for that reason, once until one sounds. The last drive that the link
-/// gets is all-zero: from finish(), or else from the destructor, so even if the link or its caller throws. Calls after
-/// finish() are dropped.
+/// Plays to another link. A board's drives are rounded as array::BoardPlay does, or if fingers request a pressure, as
+/// array::RequestedPlay does. What counts as sounding is therefore what sounds: a drive below the board's least
+/// amplitude is silent. If a board plays a plan of one drive by its own clock and modulation, the drive of each slot is
+/// the plan's. Boards that do not play plans get plans without drives. Warns if a plan with fingers is silent because
+/// of the board's steps, once until one sounds. The last drive that the link gets is all-zero: from finish(), or else
+/// from the destructor, so even if the link or its caller throws. Calls after finish() are dropped.
 class SafeLink final : public Link {
  public:
   /// `link` must outlive it. `sent` is called after every drive that the link took; its argument says whether the drive
-  /// sounds. Throws bad_usage if the ceiling or the ramp is out of range.
+  /// sounds. `drive` are the options of the drives, for requested pressures. Throws bad_usage if the ceiling or the
+  /// ramp is out of range.
   SafeLink(Link& link, std::size_t transducers, const Safety& safety = {}, double slot_s = 1.5e-3,
-           std::function<void(bool sounds, const HandOver& counts)> sent = {});
+           std::function<void(bool sounds, const HandOver& counts)> sent = {}, const array::DriveOptions& drive = {});
   ~SafeLink() override;
   SafeLink(const SafeLink&) = delete;
   SafeLink& operator=(const SafeLink&) = delete;
@@ -86,11 +89,14 @@ class SafeLink final : public Link {
   bool ramped() const { return safety_.ramp_s > 0; }
   double factor(std::uint32_t up) const { return ceiling() * up / ramp_drives_; }
   void pass_on_scaled(std::uint64_t from_slot, double factor);
-  void round_plan();
-  void warn_if_faint(float loudest);
+  void round(std::span<array::TransducerDrive> drive, std::uint64_t slot, double factor);
+  void round_plan(double factor);
+  void find_loudest(const PlayedPlan& plan);
+  void warn_if_faint(double factor);
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
-  void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, double factor, bool planned);
+  void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, std::uint64_t made_for,
+                   double factor, bool planned);
   void pass_on(const PlayedPlan& plan);
   void pass_on(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void hand_over(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool audible, bool planned);
@@ -115,8 +121,14 @@ class SafeLink final : public Link {
 
   // Only for boards.
   std::optional<array::BoardPlay> boards_;
-  array::Round round_ = array::Round::nearest;
-  bool faint_ = false;  ///< the last plan with fingers was silent, because it was below the least amplitude
+  std::optional<array::RequestedPlay> requested_;
+  std::vector<array::SlotFocus> foci_;
+  array::Drive loudest_drive_;  ///< of the last plan, if it lists drives
+  std::uint64_t loudest_slot_ = 0;
+  float loudest_ = 0;  ///< its amplitude, or the largest gain
+  bool plays_plans_ = false;
+  bool asks_ = false;   ///< fingers of the last plan request a pressure
+  bool faint_ = false;  ///< the last plan with fingers was silent, because of the boards' steps
 
   // Only if amplitudes change.
   Sound kept_, scaled_;           ///< of the last plan with voices: as it came, and as it was passed on
@@ -128,6 +140,7 @@ class SafeLink final : public Link {
   std::uint32_t ramp_drives_ = 1;  ///< length of the ramp in drives
   std::uint32_t up_ = 0;           ///< current position on the ramp, in drives
   array::Drive last_;              ///< the last drive while there should be sound, before scaling
+  std::uint64_t last_slot_ = 0;    ///< its slot
   double passed_factor_ = 0;       ///< factor of the plan that was passed on last
   std::uint64_t passed_slot_ = 0;  ///< first slot of that plan
 };

@@ -22,7 +22,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/tracked_finger.hpp"
-#include "array/free_field.hpp"
+#include "array/field/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/camera.hpp"

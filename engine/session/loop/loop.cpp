@@ -237,6 +237,7 @@ bool Compute::start() {
   if (begin_s < 0) begin_s = frame.arrived_s;
   const SkinFrame started{.images = frame.set.frames,
                           .capsules = frame.set.capsules,
+                          .in_doubt = frame.set.in_doubt,
                           .points = frame.set.points,
                           .sequence = frame.set.sequence,
                           .time_s = frame.set.time_s,

@@ -73,8 +73,9 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
   const std::size_t transducers = setting.layout.transducers.size();
-  SafeLink safe(link, transducers, setting.safety, setting.slot_s,
-                [&](bool sounds, const HandOver& counts) { observer.sent(sounds, counts); });
+  SafeLink safe(
+      link, transducers, setting.safety, setting.slot_s,
+      [&](bool sounds, const HandOver& counts) { observer.sent(sounds, counts); }, setting.drive);
   SlotScratch scratch;
   scratch.reserve(setting);
   array::Schedule nothing;

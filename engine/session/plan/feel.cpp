@@ -146,7 +146,7 @@ array::Course Feel::course_of(const Own& own, const touch::Finger& finger, const
   const array::Course::Values now{.force = own.force(double{finger.depth_m}),
                                   .motion = vibrates(own) ? speed * speed * (3 - 2 * speed) : 0,
                                   .place = place / own.grain_m};
-  array::Course course{.from = now, .to = now, .texture = own.texture.value_or(array::Texture())};
+  array::Course course{.from = now, .to = now, .texture = vibrates(own) ? *own.texture : array::Texture()};
   if (frame.first_slot) {
     course.first_slot = *frame.first_slot;
     if (known.seen_s) {

@@ -53,7 +53,7 @@ struct Following {
   /// Fingers have the ids of that frame. False: the frame stands alone, without motion and clicks.
   bool follows = false;
   std::optional<std::uint64_t> first_slot{};  ///< that plays the frame, if it is known
-  std::uint32_t hands = 1;                    ///< see Touches::update
+  std::optional<std::uint32_t> hands = 1;     ///< see Touches::update
 };
 
 /// How often gains can change.
@@ -73,7 +73,7 @@ double fastest_hz(const array::Texture& texture);
 class Feel {
  public:
   /// `resolved` has the solids' gains. Touches end as those of events with the same hold. Clicks and vibrations that
-  /// the pace does not carry are not played; a texture then has its steady part.
+  /// the pace does not carry are not played: such a solid feels as if it had no click or no texture.
   Feel(std::span<const geometry::Solid> solids, std::span<const SolidHaptics> resolved, const GainPace& pace,
        double hold_s);
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "array/field/transfer.hpp"
 #include "array/schedule.hpp"
-#include "array/transfer.hpp"
 
 namespace palpa::session {
 

@@ -18,6 +18,7 @@
 #include "session/plan/finger_drives.hpp"
 #include "session/predict/predictor.hpp"
 #include "session/watch/effort.hpp"
+#include "session/watch/hand_watch.hpp"
 #include "touch/pass_watch.hpp"
 #include "touch/points/passes.hpp"
 #include "touch/points/points.hpp"
@@ -56,6 +57,8 @@ class FramePlanner : public Planner {
         passes_(device ? std::optional<touch::Passes>(std::in_place, *device) : std::nullopt),
         stage_(passes_ ? touch::Stage(*passes_, setting.solids, setting.cameras, stage_setting(setting))
                        : touch::Stage(setting.solids, setting.cameras, stage_setting(setting))) {
+    if (!setting.cameras.empty())
+      hand_watch_.emplace(stage_.cameras(), stage_.rays(), stage_.setting().surroundings.slabs);
     if (setting.predict.predict != Predict::off)
       predictor_.emplace(predictor_setting(
           setting, scheduler, {stage_.cameras(), stage_.rays(), &stage_.setting().surroundings}, stage_.solids()));
@@ -168,7 +171,9 @@ class FramePlanner : public Planner {
  private:
   Flight& flight_of(std::uint64_t frame) const { return *flights_[frame % flights_.size()]; }
 
-  std::uint32_t hands_in(const SkinFrame& frame) const {
+  /// With cameras, find_touch() says it.
+  std::optional<std::uint32_t> hands_in(const SkinFrame& frame) const {
+    if (frame.in_doubt) return std::nullopt;
     if (setting_.tracked) return static_cast<std::uint32_t>(frame.capsules.size());
     return setting_.cameras.empty() && frame.points.empty() ? 0 : 1;
   }
@@ -192,6 +197,8 @@ class FramePlanner : public Planner {
       if (!std::exchange(warned_, true)) log::warning(fmt::format("a frame was left out: {}", error.what()));
     }
     flight.times.assign(stage_.times().begin(), stage_.times().end());
+    if (hand_watch_)
+      flight.report.hands = hand_watch_->hands_in(flight.frame.images, flight.touch, flight.report.time_s);
     flight.frame.images = {};  // no longer needed, and no longer there
     flight.frame.points = {};
     flight.frame.capsules = {};
@@ -233,6 +240,7 @@ class FramePlanner : public Planner {
   Scheduler& scheduler_;
   std::optional<touch::Passes> passes_;  // on a device
   touch::Stage stage_;
+  std::optional<HandWatch> hand_watch_;
   std::optional<Predictor> predictor_;
   std::optional<array::Loudness> loudness_;
   std::optional<FingerDrives> on_fingers_;

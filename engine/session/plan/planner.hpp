@@ -26,6 +26,7 @@ namespace palpa::session {
 struct SkinFrame {
   std::span<const sensing::DepthFrame> images{};  ///< for a session with cameras: one per camera
   std::span<const sensing::Capsule> capsules{};   ///< for a session with a tracker: bones of all hands, world
+  bool in_doubt = false;                          ///< the same: hands were left out because they may be wrong
   std::span<const sensing::SkinPoint> points{};   ///< for a session with neither: indices ascend
   std::uint64_t sequence = 0;
   double time_s = 0;      ///< capture, on the source's clock
@@ -52,7 +53,7 @@ struct FrameReport {
   std::optional<Prediction> prediction{};  ///< of a frame with fingers, if foci are predicted
   Effort effort{};                         ///< of a loop: the work that is done
   bool outdated = false;                   ///< of a loop: its drives were ready only when its hold was over
-  std::uint32_t hands = 1;                 ///< what the frame shows of hands, for Touches::update
+  std::optional<std::uint32_t> hands = 1;  ///< what the frame shows of hands, for Touches::update
 };
 
 class Planner {

@@ -1,10 +1,6 @@
 #include "session/plan/played_parts.hpp"
 
-#include <cmath>
-#include <complex>
-
-#include "acoustics/field/pressure.hpp"
-#include "array/drive.hpp"
+#include <algorithm>
 
 namespace palpa::session {
 
@@ -12,22 +8,24 @@ const array::Schedule& PlayedParts::correct(const Plan& plan) {
   schedule_ = plan.schedule;
   const double ceiling = ceiling_of(safety_);
   if (!plan.cycle.is_listed() || plan.cycle.length == 0 || !(ceiling > 0)) return schedule_;
+  const std::size_t transducers = plan.drives.size() / plan.listed();
   const std::uint64_t slot = calls_++ % plan.cycle.length;
-  const std::span<const array::TransducerDrive> drive = plan.drive(slot, layout_.transducers.size());
+  const std::span<const array::TransducerDrive> drive = plan.drive(slot, transducers);
   drive_.assign(drive.begin(), drive.end());
   for (array::TransducerDrive& one : drive_)
     one.amplitude *= static_cast<float>(ceiling);
-  boards_.round(drive_, ceiling, array::Round::down);
   array::foci_of_slot(schedule_, slot, foci_);
-  for (const array::SlotFocus& focus : foci_) {
-    array::Voice& voice = schedule_.voices[focus.voice];
-    if (!voice.reached_pa || !array::drivable(focus)) continue;
-    const auto heard = [&](std::span<const array::TransducerDrive> sound) {
-      return std::abs(acoustics::pressure_at(layout_, sound, focus.position, medium_, directivity_));
-    };
-    // Not between the crests of a modulation, where the sound is that of other foci.
-    const double asked_pa = heard(drive);
-    if (asked_pa > 0 && asked_pa >= 0.5 * *voice.reached_pa) *voice.reached_pa *= heard(drive_) / (asked_pa * ceiling);
+  requested_.round(drive_, foci_, ceiling, ceiling);
+  // The weakest focus of a voice counts.
+  weakest_.assign(schedule_.voice_count, 1);
+  heard_.assign(schedule_.voice_count, false);
+  for (const array::RequestedPlay::Part& part : requested_.parts()) {
+    if (!part.at_crest) continue;
+    weakest_[part.voice] = heard_[part.voice] ? std::min(weakest_[part.voice], part.played) : part.played;
+    heard_[part.voice] = true;
+  }
+  for (std::uint32_t v = 0; v < schedule_.voice_count; ++v) {
+    if (schedule_.voices[v].reached_pa) *schedule_.voices[v].reached_pa *= weakest_[v];
   }
   return schedule_;
 }

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "array/played.hpp"
+#include "array/layouts/played.hpp"
+#include "array/requested_play.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/plan.hpp"
 
@@ -14,7 +15,9 @@ class PlayedParts {
  public:
   /// `layout` is that of the boards, and must outlive it.
   PlayedParts(const array::Layout& layout, const array::DriveOptions& options, const Safety& safety)
-      : layout_(layout), medium_(options.medium), directivity_(options.directivity), safety_(safety), boards_(layout) {}
+      : safety_(safety), boards_(layout), requested_(layout, boards_, options) {}
+  PlayedParts(const PlayedParts&) = delete;
+  PlayedParts& operator=(const PlayedParts&) = delete;
 
   /// The plan's schedule, whose voices reach the part of their pressures that the boards play at the safety's ceiling,
   /// relative to that ceiling. One slot is looked at in each call, in turn, because it takes as long as a drive. Valid
@@ -22,15 +25,15 @@ class PlayedParts {
   const array::Schedule& correct(const Plan& plan);
 
  private:
-  const array::Layout& layout_;
-  array::Medium medium_;
-  array::Directivity directivity_;
   Safety safety_;
   array::BoardPlay boards_;
+  array::RequestedPlay requested_;
   array::Schedule schedule_;
   std::uint64_t calls_ = 0;
   array::Drive drive_;
   std::vector<array::SlotFocus> foci_;
+  std::vector<double> weakest_;  ///< by voice
+  std::vector<bool> heard_;
 };
 
 }  // namespace palpa::session

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "acoustics/field/asked_field.hpp"
-#include "base/start_thread.hpp"
+#include "base/system/start_thread.hpp"
 #include "session/threads.hpp"
 #include "touch/types.hpp"
 

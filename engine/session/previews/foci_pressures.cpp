@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "acoustics/field/pressure.hpp"
-#include "array/drive.hpp"
+#include "array/drive_options.hpp"
 #include "session/loop/output.hpp"
 
 namespace palpa::session {

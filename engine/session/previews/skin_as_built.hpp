@@ -1,5 +1,5 @@
 // The radiation pressure on rigid skin of an array that is not exactly its layout, in air that is not exactly as warm
-// as expected (array/as_built.hpp).
+// as expected (array/layouts/as_built.hpp).
 #pragma once
 
 #include <memory>
@@ -8,8 +8,8 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
-#include "array/as_built.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
+#include "array/layouts/as_built.hpp"
 #include "session/previews/skin_pressure.hpp"
 
 namespace palpa::session {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "session/loop/output.hpp"
 
 namespace palpa::session {

@@ -30,7 +30,7 @@ inline Sounds sounds_of(const Plan& plan, const SessionSetting& setting) {
 }
 
 /// The time average over these sounds at the faces of `body`, which is in the world, like the incident's array. Throws
-/// GivenUp (base/parallel.hpp) soon after `give_up` became true.
+/// GivenUp (base/system/parallel.hpp) soon after `give_up` became true.
 acoustics::SkinPressure mean_pressure(const Sounds& sounds, const acoustics::Incident& incident,
                                       const acoustics::Air& air, const acoustics::RigidBody& body,
                                       const std::atomic<bool>* give_up = nullptr);

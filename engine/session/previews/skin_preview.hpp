@@ -48,8 +48,8 @@ struct SkinAnswer {
   std::string fault;  ///< the error message if there is no result; empty on success
 };
 
-/// Answers on the calling thread. Throws bad_input if the finger intersects the array, GivenUp (base/parallel.hpp) soon
-/// after `give_up` became true.
+/// Answers on the calling thread. Throws bad_input if the finger intersects the array, GivenUp
+/// (base/system/parallel.hpp) soon after `give_up` became true.
 SkinAnswer answer(const SkinQuestion& question, acoustics::BodyCache& bodies,
                   const std::atomic<bool>* give_up = nullptr);
 

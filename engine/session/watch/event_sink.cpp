@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/stream_writer.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "base/stream_writer.hpp"
-#include "base/udp.hpp"
+#include "base/system/udp.hpp"
 
 namespace palpa::session {
 namespace {

@@ -12,7 +12,8 @@ EventTracker::EventTracker(std::span<const geometry::Solid> solids, const EventO
   events_.reserve(3 * most_touches);
 }
 
-std::span<const Event> EventTracker::update(const touch::Touch& touch, double time_s, std::uint32_t hands) {
+std::span<const Event> EventTracker::update(const touch::Touch& touch, double time_s,
+                                            std::optional<std::uint32_t> hands) {
   touches_.update(touch, time_s, hands);
   release_ended();
   for (const HeldTouch& held : touches_.held())

@@ -14,12 +14,13 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/words.hpp"
 #include "geometry/solid.hpp"
 #include "session/watch/touches.hpp"
@@ -58,7 +59,7 @@ class EventTracker {
   /// The events of the next frame: releases first, then finger by finger in the order of `touch`. `hands` as in
   /// Touches::update. If the time goes backwards, tracking restarts: fingers that touched are released first, as by
   /// end(). Valid until the next call.
-  std::span<const Event> update(const touch::Touch& touch, double time_s, std::uint32_t hands = 1);
+  std::span<const Event> update(const touch::Touch& touch, double time_s, std::optional<std::uint32_t> hands = 1);
   /// To be called if no frame has come for hold_s after the last one. update() also detects this, but only with the
   /// next frame.
   std::span<const Event> expire();

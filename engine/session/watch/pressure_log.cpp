@@ -15,7 +15,7 @@ std::optional<std::string> unreached(const array::Schedule& schedule, std::span<
     const array::Voice& voice = schedule.voices[v];
     const double asked = voice.pressure_pa * voice.gain;
     if (!voice.reached_pa || is_reached(asked, *voice.reached_pa)) continue;
-    return fmt::format("finger {} on {} has {:.0f} Pa of the {:.0f} Pa that are asked for: {}{}", voice.id,
+    return fmt::format("finger {} on {} has {:.4g} Pa of the {:.4g} Pa that are asked for: {}{}", voice.id,
                        voice.solid < solid_names.size() ? solid_names[voice.solid] : "", *voice.reached_pa, asked, why,
                        schedule.voice_count > 1 ? " while other fingers sound" : "");
   }
@@ -45,7 +45,11 @@ void PressureLog::planned(const array::Schedule& schedule, const array::Schedule
   }
   if (warned_) return;
   std::optional<std::string> fault = unreached(schedule, solid_names_);
-  if (!fault && played) fault = unreached(*played, solid_names_, "its boards have no amplitude nearer to it");
+  if (played) {
+    fault = fault
+                ? unreached(*played, solid_names_)
+                : unreached(*played, solid_names_, "with the steps of its boards' amplitudes, more would be too much");
+  }
   warned_ = fault.has_value();
   if (fault) log::warning(*fault + "; this warning comes once, and the stats have every finger");
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "array/schedule.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 
 namespace palpa::session {
 

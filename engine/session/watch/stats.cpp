@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 
 namespace palpa::session {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "gpu/pass_time.hpp"
 #include "sensing/no_skin.hpp"
 #include "session/links/hand_over.hpp"

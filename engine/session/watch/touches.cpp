@@ -22,7 +22,8 @@ Touches::Touches(std::span<const geometry::Solid> solids, double hold_s) : hold_
   ended_.reserve(2 * most_touches);
 }
 
-void Touches::update(const touch::Touch& touch, double time_s, std::uint32_t hands) {
+void Touches::update(const touch::Touch& touch, double time_s, std::optional<std::uint32_t> hands) {
+  const std::uint32_t shown = hands.value_or(0);
   ended_.clear();
   held_now_.clear();
   for (Held& held : held_)
@@ -53,13 +54,15 @@ void Touches::update(const touch::Touch& touch, double time_s, std::uint32_t han
     const bool begins = held == nullptr;
     if (begins) held = &held_.emplace_back();
     held->begins = begins;
-    follow(*held, finger, time_s, hands);
+    follow(*held, finger, time_s, shown);
   }
   // What has not come back although its hand has.
   for (Held& held : held_)
-    held.elsewhere = !held.seen && (held.elsewhere || hands >= held.hands);
+    held.elsewhere = !held.seen && (held.elsewhere || shown >= held.hands);
+  for (LostPress& lost : lost_)
+    lost.since_s = hands ? lost.since_s : time_s;
   std::erase_if(lost_,
-                [&](const LostPress& lost) { return hands >= lost.hands || time_s > lost.seen_s + lost_press_s; });
+                [&](const LostPress& lost) { return shown >= lost.hands || time_s > lost.since_s + lost_press_s; });
 }
 
 void Touches::expire() {
@@ -133,7 +136,7 @@ bool Touches::take_press(const touch::Finger& finger) {
     return true;
   }
   const auto lost = std::ranges::find_if(lost_, [&](const LostPress& press) {
-    return press.solid.value_or(finger.solid) == finger.solid && last_s_ <= press.seen_s + lost_press_s &&
+    return press.solid.value_or(finger.solid) == finger.solid && last_s_ <= press.since_s + lost_press_s &&
            is_near(press.centroid);
   });
   if (lost == lost_.end()) return false;
@@ -154,7 +157,7 @@ void Touches::follow(Held& held, const touch::Finger& finger, double time_s, std
       finger.solid < press_depth_m_.size() ? press_depth_m_[finger.solid] : std::nullopt;
   held.pressed = press_depth_m && finger.depth_m >= (before ? press_rearm : 1) * *press_depth_m;
   held.presses = held.pressed && !before;
-  held.lifts = before && !held.pressed;
+  held.lifts = before && !held.pressed && !held.begins;  // the touch that pressed has ended
   held_now_.push_back(held);
 }
 

@@ -5,8 +5,10 @@
 //   press    it passes the solid's press depth, and again only after it has come back up to press_rearm of that depth
 //   end      it was missing from frames for half of the hold, or no frame came for the hold
 //
-// A hand that a tracker or a camera loses while it presses has not come up. So a finger that comes back to the place of
-// a press that ended within lost_press_s does not press again, unless a frame between has shown the hand elsewhere.
+// A hand that a tracker or the cameras lose while it presses has not come up. So a finger that comes back to the place
+// of a press within lost_press_s does not press again, unless a frame between has shown the hand elsewhere. This time
+// begins when the hand is lost; while frames come whose hands are in doubt (sensing/joints/hand_check.hpp), it does not
+// pass, however long the doubt lasts.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +37,7 @@ struct HeldTouch {
   bool begins = false;   ///< in this frame
   bool pressed = false;  ///< it is deep enough, or was and has not come up
   bool presses = false;  ///< it passes the press depth in this frame
-  bool lifts = false;    ///< it comes up in this frame, after it pressed
+  bool lifts = false;    ///< it comes up in this frame, after it pressed in the same touch
 };
 
 /// There are never more at one time.
@@ -51,10 +53,10 @@ class Touches {
   /// `solids` are those of the touches; only their press depths are kept.
   explicit Touches(std::span<const geometry::Solid> solids, double hold_s = 0.1);
 
-  /// The next frame. `hands`: how many hands it shows wherever they are, or how many of their bones; 0 for none. A
-  /// frame of depth images always shows one. If the time goes backwards, all touches end, and those of the frame begin.
+  /// The next frame. `hands`: how many hands it shows wherever they are, or how many of their bones; 0 for none;
+  /// nothing if some were left out in doubt. If the time goes backwards, all touches end, and those of the frame begin.
   /// Allocates nothing.
-  void update(const touch::Touch& touch, double time_s, std::uint32_t hands = 1);
+  void update(const touch::Touch& touch, double time_s, std::optional<std::uint32_t> hands = 1);
   /// To be called if no frame has come for the hold after the last one.
   void expire();
   /// The end of the stream.
@@ -75,7 +77,7 @@ class Touches {
   };
   struct LostPress {
     std::optional<std::uint32_t> solid{};  ///< nothing: that of another scene
-    double seen_s = 0;
+    double since_s = 0;                    ///< its hand was there, or in doubt
     glm::vec3 centroid{};
     std::uint32_t hands = 1;
   };

@@ -11,14 +11,14 @@
 
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "sensing/rig_toml.hpp"
-#include "setup/frames.hpp"
-#include "setup/load.hpp"
-#include "setup/tracker.hpp"
+#include "setup/sessions/frames.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/tracker.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "sensing/background.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/sources.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "setup/tasks/calibrate.hpp"
 
 namespace palpa::setup {

@@ -11,15 +11,15 @@
 
 #include "array/layouts/board_mesh.hpp"
 #include "base/error.hpp"
+#include "base/files/output_file.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "geometry/files/stl.hpp"
 #include "geometry/gltf/write.hpp"
 #include "line/values.hpp"
 #include "sensing/target.hpp"
-#include "setup/frames.hpp"
-#include "setup/target_mount.hpp"
-#include "setup/tracker.hpp"
+#include "setup/options/target_mount.hpp"
+#include "setup/sessions/frames.hpp"
+#include "setup/sessions/tracker.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -1,6 +1,6 @@
 // The computation of `palpa calibrate`, except for --nudge: the poses of a rig's cameras from their frames of the
 // calibration target, the target itself, and the rig of an array that was nudged. The method is in
-// setup/calibration.hpp. Metres, world frame.
+// setup/sessions/calibration.hpp. Metres, world frame.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/sources.hpp"
-#include "setup/calibration.hpp"
-#include "setup/load.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/calibration.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::setup {
 

@@ -7,7 +7,7 @@
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/text.hpp"

@@ -22,10 +22,10 @@
 #include "array/transducer_drive.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"
-#include "setup/load.hpp"
-#include "setup/nulls.hpp"
-#include "setup/options.hpp"
-#include "setup/spread.hpp"
+#include "setup/options/nulls.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/spread.hpp"
+#include "setup/sessions/load.hpp"
 #include "setup/tasks/foci.hpp"
 
 namespace palpa::setup {
@@ -82,9 +82,9 @@ std::string to_json(const DriveResult& result);
 
 /// A rigid finger in the sound of a layout's transducers, for drives that focus on it.
 struct FingerInSound {
-  /// `body` must come from body_of (setup/body.hpp) for this air, be clear of the array (acoustics::check_clear_of),
-  /// and be in the layout's frame. `layout` must outlive this object. The air is that of `drive`, without absorption,
-  /// as in the solvers.
+  /// `body` must come from body_of (setup/files/body.hpp) for this air, be clear of the array
+  /// (acoustics::check_clear_of), and be in the layout's frame. `layout` must outlive this object. The air is that of
+  /// `drive`, without absorption, as in the solvers.
   FingerInSound(geometry::Mesh body, const array::Layout& layout, const FocusingOptions& drive);
   FingerInSound(geometry::Mesh body, array::Layout&& layout, const FocusingOptions& drive) = delete;
   FingerInSound(const FingerInSound&) = delete;  // `sound` refers to `body`
@@ -114,8 +114,9 @@ DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> 
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
                        FingerInSound& finger);
 
-/// The sound of this drive at its foci in free air, for `count` arrays as built (array/as_built.hpp) in air of these
-/// options. Computed on all cores of the processor; a millisecond per draw of ten foci and a thousand transducers.
+/// The sound of this drive at its foci in free air, for `count` arrays as built (array/layouts/as_built.hpp) in air of
+/// these options. Computed on all cores of the processor; a millisecond per draw of ten foci and a thousand
+/// transducers.
 DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& drive,
                             std::span<const array::SlotFocus> foci, const MediumOptions& medium,
                             array::Directivity directivity, const array::Spread& spread, const Draws& draws);

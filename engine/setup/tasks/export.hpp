@@ -15,7 +15,7 @@
 #include "session/links/sources.hpp"
 #include "session/replay.hpp"
 #include "session/watch/event_sink.hpp"
-#include "setup/frames.hpp"
+#include "setup/sessions/frames.hpp"
 
 namespace palpa::setup {
 

@@ -8,9 +8,9 @@
 
 #include "base/error.hpp"
 #include "session/links/record_link.hpp"
-#include "setup/load.hpp"
-#include "setup/played_foci.hpp"
-#include "setup/warnings.hpp"
+#include "setup/files/played_foci.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/sessions/load.hpp"
 
 namespace palpa::setup {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "acoustics/felt/spectrum.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "session/plan/scheduler.hpp"
 
 namespace palpa::setup {

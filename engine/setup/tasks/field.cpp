@@ -8,18 +8,18 @@
 
 #include "acoustics/field/field_pass.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/as_built.hpp"
+#include "array/layouts/as_built.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/schedule.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/memory.hpp"
-#include "setup/drive_file.hpp"
-#include "setup/nulls.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/system/memory.hpp"
+#include "setup/files/drive_file.hpp"
+#include "setup/options/nulls.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/sessions/touch_run.hpp"
 #include "setup/tasks/foci.hpp"
-#include "setup/touch_run.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -13,14 +13,14 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "array/directivity.hpp"
 #include "array/drive_options.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
 #include "gpu/device.hpp"
-#include "setup/options.hpp"
-#include "setup/places.hpp"
-#include "setup/spread.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/places.hpp"
+#include "setup/options/spread.hpp"
 
 namespace palpa::setup {
 
@@ -72,8 +72,8 @@ FieldResult sum_field(const array::Layout& layout, std::span<const array::Transd
                       const acoustics::Air& air, array::Directivity directivity = array::Directivity::t4010a1,
                       const gpu::Device* device = nullptr);
 
-/// The field of this drive, made for `task`, at these places for `count` arrays as built (array/as_built.hpp). Needs
-/// four bytes per point and draw; throws failure if that is more than the memory that is free.
+/// The field of this drive, made for `task`, at these places for `count` arrays as built (array/layouts/as_built.hpp).
+/// Needs four bytes per point and draw; throws failure if that is more than the memory that is free.
 FieldSpread spread_of_field(const FieldTask& task, const array::Layout& layout, const array::Drive& drive,
                             std::span<const Vec3> points, const Draws& draws, const gpu::Device* device = nullptr);
 

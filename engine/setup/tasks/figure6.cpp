@@ -1,7 +1,7 @@
 #include "setup/tasks/figure6.hpp"
 
 #include "geometry/gltf/gltf.hpp"
-#include "setup/assets.hpp"
+#include "setup/files/assets.hpp"
 
 namespace palpa::setup {
 namespace {

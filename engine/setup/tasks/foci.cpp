@@ -18,8 +18,8 @@
 #include "base/units.hpp"
 #include "line/values.hpp"
 #include "session/watch/pressure_log.hpp"
-#include "setup/drive_file.hpp"
-#include "setup/warnings.hpp"
+#include "setup/files/drive_file.hpp"
+#include "setup/options/warnings.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -17,10 +17,10 @@
 #include "sensing/find_fingertip.hpp"
 #include "sensing/joints/capsules.hpp"
 #include "sensing/synthetic.hpp"
-#include "setup/assets.hpp"
-#include "setup/frames.hpp"
-#include "setup/rigid_fit.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/sessions/frames.hpp"
 #include "setup/tasks/register_tracker.hpp"
+#include "setup/tasks/rigid_fit.hpp"
 
 namespace palpa::setup {
 namespace {

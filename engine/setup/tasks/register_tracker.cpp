@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "sensing/joints/capsules.hpp"
 #include "sensing/joints/tracker.hpp"
-#include "setup/rigid_fit.hpp"
+#include "setup/tasks/rigid_fit.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -16,7 +16,7 @@
 #include "sensing/joints/tracked_hand.hpp"
 #include "session/links/sources.hpp"
 #include "session/plan/scheduler.hpp"
-#include "setup/touch_steps.hpp"
+#include "setup/tasks/touch_steps.hpp"
 
 namespace palpa::setup {
 

@@ -15,9 +15,9 @@
 #include "sensing/find_target.hpp"
 #include "sensing/synthetic.hpp"
 #include "session/links/sources.hpp"
-#include "setup/assets.hpp"
-#include "setup/calibration.hpp"
-#include "setup/load.hpp"
+#include "setup/files/assets.hpp"
+#include "setup/sessions/calibration.hpp"
+#include "setup/sessions/load.hpp"
 #include "setup/tasks/calibrate.hpp"
 
 namespace palpa::setup {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::setup {
 

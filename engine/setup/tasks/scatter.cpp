@@ -14,14 +14,14 @@
 #include "acoustics/field/waves.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/parallel.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/system/parallel.hpp"
 #include "line/values.hpp"
-#include "setup/body.hpp"
-#include "setup/drive_file.hpp"
+#include "setup/files/body.hpp"
+#include "setup/files/drive_file.hpp"
+#include "setup/options/warnings.hpp"
 #include "setup/tasks/foci.hpp"
 #include "setup/tasks/force_check.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 namespace {

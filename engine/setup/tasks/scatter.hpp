@@ -15,13 +15,13 @@
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
 #include "geometry/mesh/mesh.hpp"
-#include "setup/options.hpp"
-#include "setup/places.hpp"
-#include "setup/touch_run.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/places.hpp"
+#include "setup/sessions/touch_run.hpp"
 
 namespace palpa::setup {
 
@@ -77,7 +77,7 @@ struct ScatterResult {
 /// The output of `palpa scatter --json` (docs/files.md).
 std::string to_json(const ScatterResult& result);
 
-/// The sound around a closed mesh, which messages call `name`. Throws as body_of (setup/body.hpp),
+/// The sound around a closed mesh, which messages call `name`. Throws as body_of (setup/files/body.hpp),
 /// acoustics::check_source and acoustics::check_clear_of do, which get `force`. Throws bad_usage for a direction
 /// without length, for a drive with another number of transducers, for points that are not numbers or farther than 100
 /// m away, and for a plane wave or a point source in absorbing air.

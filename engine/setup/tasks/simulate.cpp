@@ -20,14 +20,14 @@
 #include "session/plan/plan.hpp"
 #include "session/previews/skin_pressure.hpp"
 #include "session/watch/pressure_log.hpp"
-#include "setup/body.hpp"
-#include "setup/load.hpp"
-#include "setup/nearest_skin.hpp"
+#include "setup/files/body.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/nearest_skin.hpp"
+#include "setup/sessions/touch_input.hpp"
+#include "setup/sessions/touch_run.hpp"
+#include "setup/sessions/touch_schedule.hpp"
 #include "setup/tasks/force_check.hpp"
-#include "setup/touch_input.hpp"
-#include "setup/touch_run.hpp"
-#include "setup/touch_schedule.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 

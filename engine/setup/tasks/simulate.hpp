@@ -19,8 +19,8 @@
 #include "base/words.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "geometry/solid.hpp"
-#include "setup/options.hpp"
-#include "setup/spread.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/spread.hpp"
 #include "setup/tasks/simulate_result.hpp"
 
 namespace palpa::setup {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "setup/finger_picture.hpp"
+#include "setup/files/finger_picture.hpp"
 
 namespace palpa::setup {
 namespace {

@@ -9,7 +9,7 @@
 #include "array/schedule.hpp"
 #include "base/words.hpp"
 #include "geometry/files/vtu.hpp"
-#include "setup/body.hpp"
+#include "setup/files/body.hpp"
 #include "setup/tasks/felt_json.hpp"
 
 namespace palpa::setup {

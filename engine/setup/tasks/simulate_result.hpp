@@ -8,12 +8,12 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/felt/spectrum.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "session/plan/scheduler.hpp"
+#include "setup/sessions/touch_run.hpp"
 #include "setup/tasks/simulate_spread.hpp"
-#include "setup/touch_run.hpp"
 #include "touch/methods/method.hpp"
 
 namespace palpa::setup {

@@ -6,13 +6,13 @@
 #include <memory>
 
 #include "acoustics/bodies/rigid_body.hpp"
-#include "array/directivity.hpp"
+#include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/math.hpp"
 #include "session/previews/skin_pressure.hpp"
-#include "setup/options.hpp"
-#include "setup/spread.hpp"
+#include "setup/options/options.hpp"
+#include "setup/options/spread.hpp"
 
 namespace palpa::setup {
 
@@ -42,10 +42,10 @@ struct DesignedTouch {
   std::shared_ptr<const acoustics::RigidBody> body;  ///< for that air
   Vec3 tip{0};                                       ///< torques are about it
 };
-/// The same numbers for arrays as built (array/as_built.hpp). If the temperature varies, the equations are solved at
-/// five temperatures, from 2.5 standard deviations below to 2.5 above, and results between them are interpolated
-/// (session/previews/skin_as_built.hpp). Two of these bodies are in memory at a time, beside `touch.body`. Uses all
-/// cores; a draw takes as long as the pressure of the touch itself.
+/// The same numbers for arrays as built (array/layouts/as_built.hpp). If the temperature varies, the equations are
+/// solved at five temperatures, from 2.5 standard deviations below to 2.5 above, and results between them are
+/// interpolated (session/previews/skin_as_built.hpp). Two of these bodies are in memory at a time, beside `touch.body`.
+/// Uses all cores; a draw takes as long as the pressure of the touch itself.
 SimulateSpread spread_of_pressure(const DesignedTouch& touch, const array::Spread& spread, const Draws& draws);
 
 }  // namespace palpa::setup

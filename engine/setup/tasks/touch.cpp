@@ -8,16 +8,16 @@
 #include <utility>
 
 #include "array/schedule.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/text.hpp"
 #include "session/links/foci_link.hpp"
 #include "session/previews/foci_pressures.hpp"
 #include "session/watch/pressure_log.hpp"
-#include "setup/frames.hpp"
-#include "setup/load.hpp"
+#include "setup/options/warnings.hpp"
+#include "setup/sessions/frames.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/touch_schedule.hpp"
 #include "setup/tasks/felt_json.hpp"
-#include "setup/touch_schedule.hpp"
-#include "setup/warnings.hpp"
 
 namespace palpa::setup {
 

@@ -18,9 +18,9 @@
 #include "geometry/solid.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/session.hpp"
-#include "setup/options.hpp"
-#include "setup/touch_input.hpp"
-#include "setup/touch_run.hpp"
+#include "setup/options/options.hpp"
+#include "setup/sessions/touch_input.hpp"
+#include "setup/sessions/touch_run.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::setup {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/lines.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/lines.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/trial.hpp"

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/lines.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/lines.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/gzip.hpp"

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/lines.hpp"
+#include "base/files/lines.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/gzip.hpp"

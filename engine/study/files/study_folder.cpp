@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/events_file.hpp"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "study/statistics/moments.hpp"
 #include "study/statistics/wilcoxon.hpp"
 #include "study/tables/measures.hpp"

@@ -19,10 +19,12 @@ namespace palpa::study {
 
 struct PlanShape {
   std::string name;
-  std::string model;                            ///< file, relative names resolved from the plan's folder
-  std::string model_sha256{};                   ///< of the file, if it was read (setup::load_plan)
-  bool asks_pressure = false;                   ///< whether the model may ask for a pressure at foci, if it was read
-  double intensity = 1;                         ///< the least of the model's objects, if it was read
+  std::string model;           ///< file, relative names resolved from the plan's folder
+  std::string model_sha256{};  ///< of the file, if it was read (setup::load_plan)
+  bool asks_pressure = false;  ///< whether the model may ask for a pressure at foci, if it was read
+  /// The least of the model's objects, if it was read: of a spring, where it is stiffest among the depths of the plan.
+  double intensity = 1;
+  bool is_spring = false;                       ///< the object with that intensity has a stiffness
   std::optional<double> pressure_pa{};          ///< the least that an object of it requests, if it was read
   std::map<std::string, std::string> labels{};  ///< what participants read instead of the name, by language
 };

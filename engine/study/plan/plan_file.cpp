@@ -9,11 +9,11 @@
 
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/outputs.hpp"
-#include "base/sha256.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/sha256.hpp"
+#include "base/files/toml.hpp"
 #include "base/text.hpp"
-#include "base/toml.hpp"
 #include "study/plan/order.hpp"
 #include "study/plan/plan_tables.hpp"
 

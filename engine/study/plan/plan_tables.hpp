@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/toml.hpp"
+#include "base/files/toml.hpp"
 #include "study/plan/plan.hpp"
 
 namespace palpa::study {

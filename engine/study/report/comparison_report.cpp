@@ -5,7 +5,7 @@
 #include <iterator>
 #include <optional>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/text.hpp"
 #include "study/files/results_file.hpp"
 #include "study/pages/csv.hpp"

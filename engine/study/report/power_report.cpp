@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "base/text.hpp"
 #include "study/pages/csv.hpp"
 #include "study/pages/html.hpp"

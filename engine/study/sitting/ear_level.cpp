@@ -13,9 +13,10 @@
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
 #include "acoustics/field/pressure.hpp"
-#include "array/directivity.hpp"
 #include "array/drive.hpp"
-#include "array/played.hpp"
+#include "array/field/directivity.hpp"
+#include "array/layouts/played.hpp"
+#include "array/requested_play.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -128,7 +129,7 @@ double pressure_in_phase(const array::Layout& layout, const array::Drive& drive,
 void play_at(double ceiling, const array::BoardPlay& boards, array::Drive& drive) {
   for (array::TransducerDrive& transducer : drive)
     transducer.amplitude *= static_cast<float>(ceiling);
-  boards.round(drive, ceiling, array::Round::nearest);
+  boards.round(drive, ceiling);
 }
 
 /// The drives of all sets at this ceiling.
@@ -276,29 +277,50 @@ EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, 
   return level;
 }
 
+namespace {
+
+/// Whether a focus in the middle of the objects sounds that requests this pressure, times the gain and the ceiling.
+bool request_sounds(const array::Layout& layout, const array::BoardPlay& boards, double ceiling, double gain,
+                    double pressure_pa, double& amplitude) {
+  array::SlotFocus focus{};
+  array::Drive drive = array::drive_for(layout, {&focus, 1});
+  const double full_pa = std::abs(acoustics::pressure_at(layout, drive, focus.position));
+  amplitude = ceiling * std::min(1.0, pressure_pa * gain / full_pa);
+  focus.pressure_pa = focus.most_pa = pressure_pa * gain;
+  for (array::TransducerDrive& one : drive)
+    one.amplitude *= static_cast<float>(amplitude);
+  array::RequestedPlay(layout, boards, {}).round(drive, {&focus, 1}, ceiling, ceiling);
+  return std::ranges::any_of(drive, [](const array::TransducerDrive& one) { return one.amplitude > 0; });
+}
+
+}  // namespace
+
 void refuse_silent(const StudyPlan& plan, const array::Layout* placed) {
   for (const array::Layout& layout : layouts_of(plan, placed)) {
     const array::BoardPlay boards(layout);
-    const auto refuse = [&](double amplitude, const std::string& what) {
-      if (boards.sounds_at(amplitude)) return;
+    const auto refuse = [&](const std::string& what) {
       throw bad_usage(
-          fmt::format("{}: {}, below {:g}, the least amplitude that the {} boards of {} play: they would be silent",
-                      plan.file, what, boards.least_to_say(), boards.finest()->title, layout.name));
+          fmt::format("{}: {}, below {:g}, the least amplitude that the {} boards of {} play{}: they would be silent",
+                      plan.file, what, boards.least_to_say(), boards.finest()->title, layout.name,
+                      boards.has_factors() ? " with the factors of their files" : ""));
     };
-    refuse(plan.level.ceiling, fmt::format("the ceiling of [level] is {:g}", plan.level.ceiling));
-    if (plan.level.measured_db)
-      refuse(plan.level.measured_ceiling,
-             fmt::format("measured_ceiling of [level] is {:g}", plan.level.measured_ceiling));
-    const array::SlotFocus focus{};
-    const double full_pa = std::abs(acoustics::pressure_at(layout, array::drive_for(layout, {&focus, 1}), {}));
+    if (!boards.sounds_at(plan.level.ceiling))
+      refuse(fmt::format("the ceiling of [level] is {:g}", plan.level.ceiling));
+    if (plan.level.measured_db && !boards.sounds_at(plan.level.measured_ceiling))
+      refuse(fmt::format("measured_ceiling of [level] is {:g}", plan.level.measured_ceiling));
+    if (boards.finest() == nullptr) continue;
     for (const PlanShape& shape : plan.shapes) {
-      const double amplitude = plan.level.ceiling * shape.intensity;
-      refuse(amplitude, fmt::format("the ceiling {:g} times the intensity {:g} of '{}' is {:.3g}", plan.level.ceiling,
-                                    shape.intensity, printable(shape.name), amplitude));
-      if (!shape.pressure_pa) continue;
-      const double asked = amplitude * std::min(1.0, *shape.pressure_pa / full_pa);
-      refuse(asked, fmt::format("the ceiling {:g} times the amplitude for the {:g} Pa of '{}' is {:.3g}",
-                                plan.level.ceiling, *shape.pressure_pa, printable(shape.name), asked));
+      double amplitude = plan.level.ceiling * shape.intensity;
+      if (!boards.sounds_at(amplitude)) {
+        refuse(fmt::format("the ceiling {:g} times the {} {:.3g} of '{}' is {:.3g}", plan.level.ceiling,
+                           shape.is_spring ? "intensity at its stiffest" : "intensity", shape.intensity,
+                           printable(shape.name), amplitude));
+      }
+      if (shape.pressure_pa &&
+          !request_sounds(layout, boards, plan.level.ceiling, shape.intensity, *shape.pressure_pa, amplitude)) {
+        refuse(fmt::format("the ceiling {:g} times the amplitude for the {:g} Pa of '{}' is {:.3g}", plan.level.ceiling,
+                           *shape.pressure_pa, printable(shape.name), amplitude));
+      }
     }
   }
 }

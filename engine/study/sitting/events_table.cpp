@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "base/json_writer.hpp"
-#include "base/without_folders.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/without_folders.hpp"
 #include "study/files/events_file.hpp"
 #include "study/files/gzip.hpp"
 #include "study/files/sidecar.hpp"

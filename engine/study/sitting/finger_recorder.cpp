@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
 #include "study/files/gzip.hpp"
 
 namespace palpa::study {

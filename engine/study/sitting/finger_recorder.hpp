@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "base/files/output_file.hpp"
 #include "base/math.hpp"
-#include "base/output_file.hpp"
 #include "study/sitting/participant_folder.hpp"
 
 namespace palpa::study {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
+#include "base/files/json_writer.hpp"
 #include "study/files/gzip.hpp"
 
 namespace palpa::study {

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/input_file.hpp"
-#include "base/lines.hpp"
+#include "base/files/input_file.hpp"
+#include "base/files/lines.hpp"
 #include "base/text.hpp"
 #include "study/sitting/events_table.hpp"
 #include "study/sitting/same_study.hpp"

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "study/plan/order.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/agenda.hpp"

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/json_writer.hpp"
-#include "base/output_file.hpp"
-#include "base/outputs.hpp"
+#include "base/files/json_writer.hpp"
+#include "base/files/output_file.hpp"
+#include "base/files/outputs.hpp"
 #include "study/sitting/participant_folder.hpp"
 
 namespace palpa::study {

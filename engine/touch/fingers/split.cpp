@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "touch/fingers/known.hpp"
 #include "touch/fingers/parts.hpp"
 

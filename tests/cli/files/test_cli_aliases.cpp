@@ -13,6 +13,7 @@
 #include "cli/support/every_command.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/tiny_files.hpp"
+#include "sensation/pattern_text.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
@@ -42,6 +43,7 @@ class CliAliases : public testing::Test {
     write_tiny_files(folder_);
     fs::create_directories(folder_ / "boards");
     write_text(folder_ / "drive.csv", "index,x,y,z,nx,ny,nz,amplitude,phase\n0,0,0,-0.1,0,0,1,1,0\n");
+    write_text(folder_ / "pattern.adaptics", PatternText{}.text());
     write_text(folder_ / "pattern.toml", "[[point]]\nposition_m = [0, 0, 0.1]\n");
     write_text(folder_ / "touch.json",
                R"({"fingers":[{"foci_m":[[0,0,0.1]]}],"schedule":{"order":[0],"dwell_s":0.0015}})");
@@ -121,6 +123,12 @@ const std::vector<Line> lines{
      "--json --events --link=record:"},
     {"run --scene IN/scene.gltf --link openmpd:NONE --board-files IN/boards",
      "boards/sonicsurface.txt boards/board_A.pat", "--json --events"},
+    {"play IN/pattern.adaptics --duration 1ms --layout IN/layout.toml", "pattern.adaptics layout.toml",
+     "--json --csv --png --link=record:"},
+    {"play IN/pattern.adaptics --duration 1ms --rig IN/rig.toml", "layout.toml rig.toml", "--json --csv"},
+    {"play IN/pattern.adaptics --link openmpd:NONE --board-files IN/boards", "boards/board_A.pat", "--json"},
+    {"play IN/pattern.adaptics --layout IN/layout.toml --on finger --scene IN/scene.gltf --source recording:IN/take",
+     gltf + " " + filmed, "--json --link=record:"},
     {"export --scene IN/scene.gltf --rig IN/rig.toml --frames 1 --events IN/new", rig, "--drives"},
     {"export --scene IN/scene.gltf --layout IN/layout.toml --source recording:IN/take --drives IN/new",
      gltf + " " + filmed, "--json --events --foci=.json"},

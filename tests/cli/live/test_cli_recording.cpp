@@ -11,8 +11,9 @@
 #include "cli/support/process.hpp"
 #include "sensing/recording.hpp"
 #include "session/watch/stats.hpp"
-#include "setup/live_run.hpp"
+#include "setup/sessions/live_run.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
@@ -53,6 +54,8 @@ TEST_F(CliRecording, OrTheFirstLineSaysHowManyAreMissing) {
   session::LoopStats stats;
   stats.captured = 90;
   EXPECT_TRUE(setup::summary(stats).starts_with("90 frames, "));
+  EXPECT_EQ(setup::summary(stats).find("nothing sounds"), std::string::npos);
+  EXPECT_CONTAINS(setup::summary(stats, "", 0), "\nthe ceiling is 0: nothing sounds\n");
   EXPECT_TRUE(setup::summary(stats, "take1").starts_with("take1: all 90 frames are recorded\n90 frames, "));
   stats.unrecorded = 47;
   EXPECT_TRUE(setup::summary(stats, "take1").starts_with("take1: 47 of 90 frames are missing; "));

@@ -15,6 +15,7 @@
 #include "cli/support/heard_drives.hpp"
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
+#include "sensing/joints/hand_pose.hpp"
 #include "sensing/rig.hpp"
 #include "setup/tasks/register_tracker.hpp"
 #include "support/files.hpp"
@@ -213,6 +214,31 @@ TEST_F(Registration, RefusesTouchesThatSayNothing) {
   EXPECT_EQ(left.exit_code, 0) << left.err;
   EXPECT_CONTAINS(left.out, "nothing is saved");
   EXPECT_EQ(json::parse(read_text(file("registered.json")))["saved"], false);
+}
+
+TEST(SensationOnHand, PlaysAtThePalmAndTurnsWithIt) {
+  const auto folder = scratch_folder("sensation-on-hand");
+  const Vec3 tip(0.01, 0.02, 0.03);
+  std::vector<sensing::TrackedFrame> film;
+  for (int i = 0; i < 60; ++i)
+    film.push_back({0.01 * i, {pointing_hand(tip + Vec3(1e-7 * i, 0, 0))}});
+  write_text(folder / "hand.jsonl", lines_of(film));
+  const Transform hand = sensing::pose_of_joint(film[0].hands[0], sensing::palm_joint);
+  // The fingers point down.
+  const Vec3 palm = tip + Vec3(0.02, 0.12, 0);
+  EXPECT_LT(glm::distance(Vec3(hand[3]), palm), 1e-9);
+  EXPECT_LT(glm::distance(Vec3(hand[1]), Vec3(0, -1, 0)), 1e-9);
+  EXPECT_NEAR(glm::determinant(hand), 1, 1e-9);
+  const Transform T_world_layout = array::load_layout("openmpd").default_T_world_layout;
+  for (const bool upright : {false, true}) {
+    const auto file = (folder / (upright ? "upright.bin" : "turned.bin")).string();
+    std::vector<std::string> line = words_of("play point --layout openmpd --on palm --link record:" + file +
+                                             " --source joints:" + (folder / "hand.jsonl").string());
+    if (upright) line.push_back("--upright");
+    const Result result = palpa_here(line);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_LT(phases_off(last_sound(file), T_world_layout, palm), 0.01);
+  }
 }
 
 }  // namespace

@@ -103,6 +103,7 @@ std::vector<std::string> QuickLines::of(const std::string& command) const {
   const std::vector<std::string> lines{"doctor --backend cpu",
                                        "touch --scene CUBE --points FINGER --penetration 3mm --backend cpu",
                                        "run --frames 3 --every-frame --hold 10ms" + replay,
+                                       "play point --duration 10ms --csv IN/point.csv",
                                        "export --foci IN/foci.csv" + replay,
                                        "link test --layout openmpd --link null --each 1ms --rest 0 --last 1",
                                        "calibrate --rig SMALL --frames 2",

@@ -19,7 +19,7 @@
 #include "driver/emulate/command.hpp"
 #include "driver/links.hpp"
 #include "driver/sources.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::test {
 namespace {

@@ -4,7 +4,7 @@
 #include "array/transducer_drive.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "setup/drive_file.hpp"
+#include "setup/files/drive_file.hpp"
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 
@@ -207,6 +207,27 @@ std::vector<ReviewedLine> of_drive() {
                 {"--pattern and --touch exclude each other", {"--touch x.json"}}}}};
 }
 
+std::vector<ReviewedLine> of_play() {
+  const std::string line = "play heartbeat --duration 50ms --layout openmpd --csv -";
+  return {{.line = line,
+           .idle = joined<IdleOptions>({no_gpu_at_all,
+                                        {{"OPTION goes with --on", {"--upright", "--source joints:x", "--hold 50ms"}},
+                                         {"OPTION goes with --scene", {"--gltf-scene 0", "--allow-outside"}},
+                                         {"--scene goes with --source", {"--scene ROOT/assets/cube.glb"}},
+                                         {"--on needs --source", {"--on palm"}},
+                                         {"--board-files goes with a link to boards", {"--board-files /"}}}}),
+           .untried = "--link --osc --rig --ceiling --ramp --amplitude --temperature --sound-speed --frequency "
+                      "--layout --png",
+           .tried_as = "play heartbeat --duration 50ms --csv OUT/slots.csv --json OUT/play.json",
+           .effective = {{"",
+                          {"--param rate=120", "--speed 2", "--dwell 0.5ms", "--duration 60ms", "--at 0,0,10cm",
+                           "--csv OUT/other.csv"}}}},
+          {.line = "play circle --on palm --source joints:none",
+           .idle = {{"--at and --on exclude each other", {"--at 0,0,10cm"}},
+                    {"--csv and --png know no hand", {"--csv -", "--png x.png"}},
+                    {"--scene goes with --on finger", {"--scene ROOT/assets/cube.glb"}}}}};
+}
+
 const IdleOptions of_plane{"goes with --plane", {"--centre 0,0,0", "--size 6mm,6mm", "--pixels 8,8"}};
 
 ReviewedLine of_field() {
@@ -395,6 +416,7 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
          .untried = "--suite --runs --csv --gpu --validation"}},
        of_studies(),
        of_export(),
+       of_play(),
        of_calibrate(),
        of_drive(),
        of_scatter(),

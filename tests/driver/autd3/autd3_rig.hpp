@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/autd3/board.hpp"
 #include "driver/autd3/emulated/listener.hpp"
 #include "driver/autd3/emulated/server.hpp"

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "autd3_rig.hpp"
-#include "base/descriptor.hpp"
-#include "base/now.hpp"
+#include "base/system/descriptor.hpp"
+#include "base/system/now.hpp"
 #include "driver/autd3/board.hpp"
 #include "driver/autd3/emulated/listener.hpp"
 #include "driver/autd3/emulated/server.hpp"
@@ -216,6 +216,34 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
   rig.plan();
   EXPECT_TRUE(rig.tend_until([&] { return rig.device().transitions() > transitions; }));
   EXPECT_EQ(rig.device().operations() - before, 2u + 10 + 1);
+  rig.end_silent();
+}
+
+TEST(Autd3Board, FociOneByOneHaveAnIntensityEach) {
+  Rig rig;
+  rig.open();
+  for (int p = 0; p < 10; ++p)
+    aim(rig, {0.01 * std::cos(p), 0.01 * std::sin(p), 0.1});
+  for (std::size_t t = 0; t < rig.drives.size(); ++t)
+    rig.drives[t].amplitude = 0.1f * static_cast<float>(t / transducers);  // 0 is a pause of the pattern
+  const std::uint64_t before = rig.device().operations();
+  const double planned_s = rig.plan();
+  ASSERT_TRUE(rig.tend_until([&] { return rig.device().transitions() == 2; }));
+  EXPECT_EQ(rig.device().operations() - before, 2u) << "the foci, the transition";
+  {
+    const std::lock_guard held(rig.serving->lock);
+    std::vector<int> heard, wanted;
+    for (int s = 0; s < 10; ++s) {
+      const auto output = rig.device().output(planned_s + (100 + s + 0.5) * 1.5e-3);
+      for (const auto& one : output)
+        EXPECT_EQ(one.intensity, output[0].intensity);
+      heard.push_back(output[0].intensity);
+      wanted.push_back(emission(rig.part(static_cast<std::uint64_t>(s))[0]).intensity);
+    }
+    std::ranges::sort(heard);
+    std::ranges::sort(wanted);
+    EXPECT_EQ(heard, wanted);
+  }
   rig.end_silent();
 }
 

@@ -201,7 +201,7 @@ TEST(Autd3Emulator, TakesRequestsHoweverTheyAreCut) {
   for (std::size_t cut = 0; cut < all.size(); cut += cut < 90 ? 1 : 41) {
     EmulatedServer server(2);
     std::vector<std::uint8_t> answer;
-    server.connected();
+    server.client_came();
     EXPECT_TRUE(server.take(0, std::span(all).first(cut), answer));
     EXPECT_FALSE(server.take(0, std::span(all).subspan(cut), answer)) << "a goodbye is the end";
     EXPECT_EQ(answer, expected) << cut;

@@ -20,9 +20,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"

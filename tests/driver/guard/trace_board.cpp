@@ -12,8 +12,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/descriptor.hpp"
 #include "base/error.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/guard/channel.hpp"
 
 namespace palpa::test {

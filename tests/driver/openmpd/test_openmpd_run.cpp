@@ -21,6 +21,7 @@ namespace palpa::test {
 namespace {
 
 using nlohmann::json;
+namespace openmpd = driver::openmpd;
 
 std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
   return with({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--hold", "500ms",
@@ -108,6 +109,62 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   if (result.err.find("drives were lost between loop and device") == std::string::npos) {
     EXPECT_LE(lost, 8 + loop / 50) << drives;
   }
+}
+
+/// With factors of one half, a ceiling of 0.04 is silent, and a request is played all the same.
+TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
+  openmpd::Calibration half;
+  half.factors.fill(0.5f);
+  for (const bool requests : {false, true}) {
+    const auto trace = scratch_folder("openmpd-law-trace") / "wire.jsonl";
+    Emulation emulation("openmpd-law", "EMU1", {"--trace", trace.string()});
+    write_text(emulation.folder() / "board_1.pat", board_file_text("EMU1", half));
+    const RunOptions options{.environment = emulation.environment()};
+    const std::vector<std::string> how =
+        requests ? std::vector<std::string>{"--pressure", "300"} : std::vector<std::string>{"--ceiling", "0.04"};
+    const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")),
+                                     with({"--frames", "30", "--json", "-", "--method", "single-focus", "--board-files",
+                                           emulation.folder().string()},
+                                          how)),
+                                options);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    emulation.end();
+    const json stats = json::parse(result.out);
+    const std::uint64_t heard = heard_in(trace).sounding;
+    EXPECT_EQ(stats["hand_over"]["drives"]["completed"], heard);
+    if (requests) {
+      EXPECT_GT(heard, 0u);
+      EXPECT_LE(stats["fingers"][0]["pressure_pa"]["most"].get<double>(), 300.01);
+      EXPECT_GT(stats["fingers"][0]["pressure_pa"]["least"].get<double>(), 285);
+    } else {
+      EXPECT_EQ(heard, 0u);
+      EXPECT_EQ(stats["hand_over"]["drives"]["loop"], 0u);
+      EXPECT_CONTAINS(result.err, "the least that OpenMPD boards play with the factors of their files is 0.0491");
+      EXPECT_EQ(result.err.find("were lost"), std::string::npos) << result.err;
+    }
+  }
+}
+
+TEST(OpenMpdRun, ASensationIsHeardToItsSilentEnd) {
+  const auto trace = scratch_folder("openmpd-sensation-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-sensation", "EMU1", {"--trace", trace.string()});
+  const RunOptions options{.environment = emulation.environment()};
+  const Result result = palpa({"play", "circle", "--link", "openmpd:EMU1", "--duration", "500ms", "--dwell", "0.5ms",
+                               "--ceiling", "0.5", "--json", "-"},
+                              options);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json report = emulation.end();
+  EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
+  EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
+  const Heard heard = heard_in(trace);
+  const json drives = json::parse(result.out)["drives"];
+  EXPECT_TRUE(heard.ends_silent());
+  EXPECT_GT(heard.sounding, 0u);
+  EXPECT_EQ(
+      drives["sent"].get<std::uint64_t>() - drives["silent"].get<std::uint64_t>() - drives["lost"].get<std::uint64_t>(),
+      heard.sounding)
+      << drives;
+  EXPECT_GE(drives["sent"].get<std::uint64_t>() + drives["skipped_slots"].get<std::uint64_t>(), 1000u);
 }
 
 TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {

@@ -16,7 +16,7 @@
 #include <thread>
 #include <utility>
 
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/rig_parts.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/now.hpp"
+#include "base/system/now.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
 #include "driver/sonicsurface/emulated/pty.hpp"
@@ -387,11 +387,16 @@ TEST(SonicSurfaceBoard, RefusesWhatItCannotPlay) {
   Rig rig;
   for (const char* part : {"a frame takes 11.3 ms", "--dwell 12ms", "single-focus"})
     EXPECT_ERROR(rig.make(1.5e-3, true), Exit::usage, part);
-  const auto refuses = [&](const std::string& argument, Exit code, const char* part) {
+  const auto refuses = [&](const std::string& argument, Exit code, const std::string& part) {
     rig.argument = argument;
     EXPECT_ERROR(rig.open(), code, part);
   };
   refuses(rig.path() + ",fast", Exit::usage, "PORT,tactile");
+  refuses(rig.path() + ",lag=0.5", Exit::usage, "but the link has one board: leave it out");
+  for (const char* both : {",tactile,lag=0.5", ",lag=0.5,tactile"})
+    refuses(rig.path() + both, Exit::usage, "with the tactile firmware there is one board");
+  refuses(rig.path() + ",lag=0.5,fast", Exit::usage,
+          "lag= comes last, after its boards and other words: " + rig.path() + ",fast,lag=0.5");
   refuses("/dev/null", Exit::failed, "serial port");
   refuses("/dev/ttyNONE", Exit::failed, "/dev/ttyNONE: No such file");
   rig.layout = array::load_layout("openmpd");
@@ -407,6 +412,8 @@ TEST(SonicSurfaceBoard, TakesACalibrationFromItsFolder) {
     return read_degrees(folder, count);
   };
   EXPECT_EQ(read("0 180 -90\n", 3), (std::vector<float>{0, 180, -90}));
+  EXPECT_EQ(read("\xEF\xBB\xBF+0 +180\r\n-90\r\n", 3), (std::vector<float>{0, 180, -90}));
+  EXPECT_REFUSED(read(std::string("\xFF\xFE") + std::string("0\0 \0", 4), 1), "is text in UTF-16; save it as UTF-8");
   EXPECT_REFUSED(read("0 180 -90\n", 4), "has 3 numbers");
   EXPECT_REFUSED(read("0 x 3", 3), "value 2 is not a number");
   EXPECT_REFUSED(read("0 400 3", 3), "400 degrees");

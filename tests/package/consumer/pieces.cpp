@@ -8,7 +8,7 @@
 #include "gpu/device.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/session.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 #include "setup/tasks/drive.hpp"
 #include "setup/tasks/field.hpp"
 #include "setup/tasks/scatter.hpp"

@@ -10,7 +10,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/math.hpp"
 #include "sensing/rig.hpp"
-#include "setup/target_mount.hpp"
+#include "setup/options/target_mount.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

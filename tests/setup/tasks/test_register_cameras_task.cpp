@@ -17,8 +17,8 @@
 #include "sensing/find_fingertip.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
-#include "setup/load.hpp"
-#include "setup/rigid_fit.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/tasks/rigid_fit.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 

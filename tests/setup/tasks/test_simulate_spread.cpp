@@ -12,8 +12,8 @@
 
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/field/incident.hpp"
-#include "array/as_built.hpp"
 #include "array/drive.hpp"
+#include "array/layouts/as_built.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "session/previews/skin_as_built.hpp"
 #include "session/previews/skin_pressure.hpp"

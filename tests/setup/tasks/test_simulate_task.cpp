@@ -10,7 +10,7 @@
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 #include "setup/tasks/simulate.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"

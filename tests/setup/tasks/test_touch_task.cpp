@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "geometry/files/ply.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 #include "setup/tasks/touch.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"

@@ -14,7 +14,7 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "base/parallel.hpp"
+#include "base/system/parallel.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "geometry/surface/surface.hpp"

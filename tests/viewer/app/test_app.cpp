@@ -5,7 +5,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "base/outputs.hpp"
+#include "base/files/outputs.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "live_app.hpp"

@@ -10,8 +10,8 @@
 
 #include "geometry/files/ply.hpp"
 #include "geometry/mesh/icosphere.hpp"
-#include "setup/load.hpp"
-#include "setup/touch_schedule.hpp"
+#include "setup/sessions/load.hpp"
+#include "setup/sessions/touch_schedule.hpp"
 #include "support/begins.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"

@@ -19,6 +19,9 @@
 #include "geometry/mesh/icosphere.hpp"
 #include "sensing/grey_png.hpp"
 #include "sensing/rig.hpp"
+#include "setup/sessions/study_plan.hpp"
+#include "study/sitting/record.hpp"
+#include "study/sitting/rehearsal.hpp"
 #include "support/cameras.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
@@ -276,6 +279,32 @@ TEST_F(Viewer, ValidationIsSilent) {
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_EQ(run.err, "");
   }
+}
+
+/// A program that was killed after the last answer left nothing to sound or to show.
+TEST_F(Viewer, CompletesAStudyWithoutADisplay) {
+  const std::string file = source_file("assets/studies/five-minutes.toml");
+  const study::StudyPlan plan = setup::load_plan(file);
+  const std::filesystem::path journal = folder_ / "study/sub-01/sub-01_journal.jsonl";
+  {
+    study::Record record(plan, 1, folder_ / "study", true);
+    const study::Entry start{.text = study::utc_now(), .version = "v", .rehearsal = true};
+    ASSERT_TRUE(study::rehearse(plan, record.agenda(), start, study::ScriptedParticipant(0.5, 1, 1),
+                                [&](const study::Entry& entry) { record.add(entry); }));
+  }
+  const std::string text = read_text(journal);
+  const std::size_t last = text.rfind('\n', text.size() - 2) + 1;
+  EXPECT_CONTAINS(text.substr(last), "finish");
+  write_text(journal, text.substr(0, last));
+  const Line line{"--study", file, "--participant", "1", "--out", path("study"), "--rehearse", "0.5"};
+  const Result completed = viewer(line);
+  EXPECT_EQ(completed.exit_code, 0) << completed.err;
+  EXPECT_CONTAINS(completed.out, "participant 1: 31 of 31 steps complete");
+  EXPECT_CONTAINS(read_text(journal).substr(last), "finish");
+  expect_failure(viewer(line), 2, "participant 1 has finished");
+  expect_failure(viewer({"--study", file, "--participant", "2", "--out", path("study"), "--rehearse", "0.5"}), 3,
+                 "no display");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "study/sub-02"));
 }
 
 }  // namespace

@@ -62,6 +62,8 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
       {touch_, {"--view", "camera"}, "--view camera goes with --depth"},
       {host_, {"--slice", "xz"}, "--slice goes with --layout or --rig"},
       {host_, {"--show", "heat"}, "--show heat goes with --layout or --rig"},
+      {host_, {"--heat", "RA"}, "--heat goes with --layout or --rig"},
+      {host_, {"--slice-at", "0,0,0"}, "--slice-at goes with --layout or --rig"},
       {host_, {"--layout", "autd3", "--show", "heat"}, "--skin"},
       {scene_, {"--spectrum"}, "--spectrum"},
       {scene_, {"--link", "null"}, "--source"},

@@ -3,11 +3,11 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "base/files/outputs.hpp"
+#include "base/files/reference.hpp"
 #include "base/log.hpp"
-#include "base/outputs.hpp"
-#include "base/reference.hpp"
 #include "base/text.hpp"
-#include "setup/options.hpp"
+#include "setup/options/options.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/run/command.hpp"
 

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "base/sha256.hpp"
-#include "setup/played_foci.hpp"
+#include "base/files/sha256.hpp"
+#include "setup/files/played_foci.hpp"
 #include "sitting_bench.hpp"
 #include "study/files/study_folder.hpp"
 #include "support/begins.hpp"
@@ -480,6 +480,19 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
     };
     EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, told);
   }
+  // A link is told for each method whether its foci move: some boards have no slots for those that do.
+  std::vector<bool> told_to_move, moves;
+  kinds.links[0].open = [&, open = own.open](const std::string& argument, const session::LinkSetting& setting) {
+    told_to_move.push_back(setting.foci_move);
+    return open(argument, setting);
+  };
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    plan.methods[m].dwell_s = 1e-3 * static_cast<double>(1 + m);
+    moves.push_back(!touch::stands_still(plan.methods[m].method));
+  }
+  try_study_link(plan, run, kinds);
+  EXPECT_EQ(told_to_move, moves);
+  EXPECT_FALSE(moves[0]) << "a single focus";
   run.rig = test::source_file("assets/rigs/paper.toml");
   take_layouts(plan, run, kinds);
   EXPECT_EQ(plan.methods[1].layout, "paper") << "the rig's";

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/sha256.hpp"
+#include "base/files/sha256.hpp"
 #include "support/begins.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/heard_link.hpp"

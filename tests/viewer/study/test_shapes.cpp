@@ -5,7 +5,7 @@
 
 #include "geometry/gltf/write.hpp"
 #include "geometry/solid.hpp"
-#include "setup/load.hpp"
+#include "setup/sessions/load.hpp"
 #include "sitting_bench.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "viewer/study/shapes.hpp"

@@ -1,0 +1,18 @@
+// How a program ends. Two threads may decide this at the same time: the one that did its work, and the watch for
+// signals (setup/process/interrupt.hpp). The first one decides, so that the exit code and the line on stderr always
+// agree.
+#pragma once
+
+#include "base/error.hpp"
+
+namespace palpa::setup {
+
+/// A program begins: nothing is decided. Tests run several programs in one process.
+void begin_ending();
+/// The program ends with `code`, unless another thread has already decided. Returns whether this call decided. Then the
+/// caller prints the line that belongs to the code.
+bool decide_ending(Exit code);
+/// What was decided; Exit::ok if nothing is.
+Exit ending();
+
+}  // namespace palpa::setup

@@ -1,0 +1,249 @@
+"""The example that Adaptics' Designer drives: spoken to as the Designer does, and as others may."""
+import base64
+import json
+import os
+import re
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+
+import pytest
+
+from commands import ROOT
+
+websockets = pytest.importorskip("websockets")
+sys.path.insert(0, str(ROOT / "examples/adaptics"))
+import server as adaptics  # noqa: E402
+
+IDENTITY = [[1.0 if row == column else 0.0 for column in range(4)] for row in range(4)]
+PATTERN = (ROOT / "assets/sensations/circle.adaptics").read_text(encoding="utf-8")
+
+
+class Client:
+    """A websocket of its own, so that it may also send what no library sends."""
+
+    def __init__(self, port, origin=None):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=60)
+        lines = ["GET / HTTP/1.1", f"Host: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade",
+                 "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode(), "Sec-WebSocket-Version: 13"]
+        lines += [f"Origin: {origin}"] if origin is not None else []
+        self.socket.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
+        self.bytes = b""
+        while b"\r\n\r\n" not in self.bytes:
+            self.bytes += self._read()
+        head, self.bytes = self.bytes.split(b"\r\n\r\n", 1)
+        self.status = int(head.split()[1])
+
+    def _read(self):
+        data = self.socket.recv(1 << 16)
+        if not data:
+            raise ConnectionError
+        return data
+
+    def frame(self, data, kind=1, last=True):
+        mask = os.urandom(4)
+        size = struct.pack("!BH", 0x80 | 126, len(data)) if len(data) < 1 << 16 else struct.pack("!BQ", 0x80 | 127, len(data))
+        masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(data))
+        self.socket.sendall(bytes([(0x80 if last else 0) | kind]) + size + mask + masked)
+
+    def send(self, cmd, **data):
+        self.frame(json.dumps({"cmd": cmd, "data": data}).encode())
+
+    def next(self):
+        """The next text; answers pings."""
+        while True:
+            while len(self.bytes) < 2:
+                self.bytes += self._read()
+            kind, size, head = self.bytes[0] & 15, self.bytes[1] & 127, 2
+            if size == 126:
+                head = 4
+            elif size == 127:
+                head = 10
+            while len(self.bytes) < head:
+                self.bytes += self._read()
+            if size > 125:
+                size = int.from_bytes(self.bytes[2:head], "big")
+            while len(self.bytes) < head + size:
+                self.bytes += self._read()
+            data, self.bytes = self.bytes[head:head + size], self.bytes[head + size:]
+            if kind == 9:
+                self.frame(data, 10)
+            elif kind == 8:
+                raise ConnectionError
+            elif kind == 1:
+                return json.loads(data)
+
+    def connect_as_the_designer(self, pattern=PATTERN):
+        self.parameters()
+        self.send("update_playstart", playstart=0, playstart_offset=-1.7e12)
+        self.send("update_pattern", pattern_json=pattern)
+        self.parameters()
+        self.send("update_tracking", enabled=False)
+
+    def parameters(self, time_ms=0, **given):
+        self.send("update_parameters",
+                  evaluator_params={"time": time_ms, "user_parameters": given, "geometric_transform": IDENTITY})
+
+    def play(self, offset_ms=0.0):
+        self.send("update_playstart", playstart=1.7e12, playstart_offset=offset_ms)
+
+    def evals_until(self, condition):
+        """The first update whose newest point fulfils the condition."""
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
+            message = self.next()
+            assert message["cmd"] == "playback_update"
+            if condition(message["data"]["evals"]):
+                return message["data"]["evals"]
+        raise AssertionError("no such update")
+
+
+@pytest.fixture
+def served(request):
+    """Its port, its process, and a socket that gets its foci. With a parameter, clients that freeze are dropped that soon."""
+    patience_s = getattr(request, "param", adaptics.PATIENCE_S)
+    code = (f"import sys; sys.path.insert(0, {str(ROOT / 'examples/adaptics')!r}); import server; "
+            f"server.PING_S = server.PATIENCE_S = {patience_s}; server.main()")
+    arguments = [sys.executable, "-c", code, "--port", "0", "--layout", "openmpd", "--link", "foci:udp:127.0.0.1:%d"]
+    heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    heard.bind(("127.0.0.1", 0))
+    heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+    arguments[-1] %= heard.getsockname()[1]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        port = int(re.search(r":(\d+)/", process.stdout.readline())[1])
+        try:
+            yield port, process, heard
+        finally:
+            process.send_signal(signal.SIGTERM)
+            process.wait(60)
+            heard.close()
+
+
+def sounds(heard):
+    """Whether the newest line that has come sounds; None if none came."""
+    newest = None
+    heard.setblocking(False)
+    while True:
+        try:
+            newest = json.loads(heard.recv(1 << 16))
+        except BlockingIOError:
+            return None if newest is None else any(finger["gain"] > 0 for finger in newest["fingers"])
+
+
+def wait_for_sound(heard, wanted):
+    end = time.monotonic() + 60
+    while sounds(heard) is not wanted:
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def radius_mm(evals):
+    at = evals[-1]["ul_control_point"]["coords"]
+    return round((at["x"] ** 2 + at["y"] ** 2) ** 0.5, 3)
+
+
+def test_it_plays_what_the_designer_draws(served):
+    port, process, heard = served
+    designer = Client(port, origin=adaptics.DESIGNER)
+    assert designer.status == 101
+    designer.connect_as_the_designer()
+    designer.play()
+    evals = designer.evals_until(lambda evals: len(evals) >= 8)
+    assert len(evals) <= 64 and radius_mm(evals) == 10 and abs(evals[0]["ul_control_point"]["coords"]["z"] - 200) < 1e-9
+    assert set(evals[0]) == {"ul_control_point", "pattern_time", "stop", "next_eval_params"} and evals[0]["stop"] is False
+    wait_for_sound(heard, True)
+    designer.parameters(radius=25)
+    designer.evals_until(lambda evals: radius_mm(evals) == 25)
+    designer.parameters()  # and back
+    designer.evals_until(lambda evals: radius_mm(evals) == 10)
+    edited = json.loads(PATTERN)
+    edited["keyframes"][0]["brush"]["brush"]["params"]["radius"] = {"type": "f64", "value": 15}
+    designer.send("update_pattern", pattern_json=json.dumps(edited))
+    designer.evals_until(lambda evals: radius_mm(evals) == 15)
+    designer.send("update_playstart", playstart=0, playstart_offset=-1.7e12)
+    wait_for_sound(heard, False)
+    designer.parameters(5000)
+    designer.play(-5000.0)  # goes on from 5 s
+    evals = designer.evals_until(lambda evals: evals[-1]["pattern_time"] >= 5000)
+    assert evals[0]["pattern_time"] < 60000
+    wait_for_sound(heard, True)
+    designer.socket.close()  # without a word: the last client is gone
+    wait_for_sound(heard, False)
+    again = Client(port)
+    again.connect_as_the_designer()
+    again.play()
+    wait_for_sound(heard, True)
+    again.socket.close()
+    wait_for_sound(heard, False)
+    assert process.poll() is None
+
+
+def test_a_stop_is_told(served):
+    port, _, heard = served
+    client = Client(port)
+    stopping = json.loads(PATTERN)
+    stopping["keyframes"].append({"type": "stop", "time": 150})
+    client.connect_as_the_designer(json.dumps(stopping))
+    for _ in range(2):
+        client.play()
+        evals = client.evals_until(lambda evals: evals[0]["stop"])
+        assert len(evals) >= 2 and all(one["ul_control_point"]["intensity"] == 0 for one in evals)
+        wait_for_sound(heard, False)
+
+
+@pytest.mark.parametrize("served", [0.5], indirect=True)
+def test_a_client_that_freezes_is_dropped(served):
+    port, _, heard = served
+    frozen, other = Client(port), Client(port)
+    frozen.connect_as_the_designer()
+    frozen.play()
+    wait_for_sound(heard, True)
+    other.socket.close()
+    wait_for_sound(heard, False)  # the last client that answers pings is gone; it has read nothing since
+
+
+def test_pages_of_others_are_refused(served):
+    port, _, _ = served
+    for origin in ("null", "https://evil.example", "https://adaptivehaptics.github.io.evil.example",
+                   "http://adaptivehaptics.github.io", "https://evil-adaptivehaptics.github.io", "http://localhost.evil.example",
+                   "http://127.0.0.1.evil.example", "http://localhost@evil.example", "https://adaptivehaptics.github.io:444", ""):
+        assert Client(port, origin).status == 403, origin
+    for origin in (adaptics.DESIGNER, "http://localhost", "http://localhost:8080", "http://127.0.0.1:3000", "http://[::1]:80", None):
+        assert Client(port, origin).status == 101, origin
+    assert adaptics.may_connect("null", ["null"]) and not adaptics.may_connect("null")
+    assert adaptics.may_connect("http://example.org", ["http://example.org"])
+
+
+def test_no_message_does_harm(served):
+    port, process, heard = served
+    client = Client(port)
+    client.connect_as_the_designer()
+    client.play()
+    wait_for_sound(heard, True)
+    for text in (b"", b"{", b"[]", b"null", b"7", b'{"cmd":"update_pattern"}', b'{"cmd":3,"data":{}}', b'{"cmd":"_set","data":{}}',
+                 b'{"cmd":"take","data":{}}', b'{"cmd":"update_pattern","data":{"pattern_json":"{}"}}', b"[" * 100000,
+                 b'{"cmd":"update_pattern","data":{"pattern_json":3}}', b'{"cmd":"update_playstart","data":{"playstart":"now"}}',
+                 b'{"cmd":"update_playstart","data":{"playstart":1,"playstart_offset":NaN}}',
+                 b'{"cmd":"update_playstart","data":{"playstart":1,"playstart_offset":1e300}}',
+                 b'{"cmd":"user_parameter","data":{"name":"radius","value":Infinity}}',
+                 b'{"cmd":"geo_transform_matrix","data":{"transform":[[1]]}}', b'{"cmd":"user_parameters","data":{"user_parameters":3}}'):
+        client.frame(text)
+    client.frame(b"\x00\x01", kind=2)
+    big = json.loads(PATTERN) | {"note": "x" * 200000}
+    whole = json.dumps({"cmd": "update_pattern", "data": {"pattern_json": json.dumps(big)}}).encode()
+    client.frame(whole[:1000], last=False)  # in fragments
+    client.frame(whole[1000:], kind=0)
+    for _ in range(500):
+        client.parameters(radius=5)
+    client.parameters(radius=20)
+    client.evals_until(lambda evals: radius_mm(evals) == 20)
+    flood = Client(port)
+    with pytest.raises(OSError):
+        flood.frame(b"x" * (adaptics.MOST_BYTES + 1))
+        while True:
+            flood.next()
+    client.evals_until(lambda evals: len(evals) >= 2)
+    assert process.poll() is None
