@@ -77,7 +77,7 @@ struct PoseError {
   double at_objects_m = 0, degrees = 0;
 };
 
-PoseError error_of(const Transform& found, const Transform& truth) {
+PoseError pose_error(const Transform& found, const Transform& truth) {
   const Transform off = found * glm::inverse(truth);
   PoseError error;
   for (const double x : {-0.015, 0.015}) {
@@ -107,7 +107,7 @@ Hundred hundred_people(double off_m) {
     const setup::TouchedCamera found =
         setup::register_camera(person.placed(seed), person.touch(seed, off_m), person.layout);
     EXPECT_EQ(found.seen, setup::camera_foci.size());
-    const PoseError error = error_of(found.T_world_camera, person.camera().T_world_camera);
+    const PoseError error = pose_error(found.T_world_camera, person.camera().T_world_camera);
     off.push_back(error.at_objects_m);
     degrees.push_back(error.degrees);
     hundred.good += error.at_objects_m < 4e-3 && error.degrees < 2 ? 1 : 0;
@@ -130,7 +130,7 @@ TEST(RegisterCameras, OfHundredPeopleNinetyFiveGetAPoseWithinFourMillimetresAndT
 TEST(RegisterCameras, PreciseTouchesLeaveHardlyAnError) {
   const Person person;
   const setup::TouchedCamera found = setup::register_camera(person.placed(3), person.touch(3, 0), person.layout);
-  const PoseError error = error_of(found.T_world_camera, person.camera().T_world_camera);
+  const PoseError error = pose_error(found.T_world_camera, person.camera().T_world_camera);
   EXPECT_LT(error.at_objects_m, 1.5e-3);
   EXPECT_LT(error.degrees, 0.5);
   EXPECT_NEAR(found.moved_m, 0.04, 2e-3) << "of the guess";
@@ -141,7 +141,7 @@ TEST(RegisterCameras, ACameraThatNobodyPlacedIsFound) {
   sensing::Camera unplaced = person.camera();
   unplaced.T_world_camera = Transform(1.0);
   const setup::TouchedCamera found = setup::register_camera(unplaced, person.touch(4), person.layout);
-  EXPECT_LT(error_of(found.T_world_camera, person.camera().T_world_camera).at_objects_m, 5e-3);
+  EXPECT_LT(pose_error(found.T_world_camera, person.camera().T_world_camera).at_objects_m, 5e-3);
 }
 
 TEST(RegisterCameras, TooFewTouchesAndWrongOnesAreRefusedByName) {
@@ -167,7 +167,7 @@ TEST(RegisterCameras, OneWrongTouchCountsLittle) {
   std::vector<setup::SeenTouch> touches = person.touch(8);
   touches[2].focus_m += Vec3(0.02, 0, 0);  // another focus was touched
   const setup::TouchedCamera found = setup::register_camera(person.camera(), touches, person.layout);
-  EXPECT_LT(error_of(found.T_world_camera, person.camera().T_world_camera).at_objects_m, 5e-3);
+  EXPECT_LT(pose_error(found.T_world_camera, person.camera().T_world_camera).at_objects_m, 5e-3);
   EXPECT_GT(found.residual_m, 6e-3) << "and the residual shows it";
 }
 
