@@ -52,6 +52,7 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
   line::exclude(app, "--target", {"--source", "--frames", "--background", "--noise-free", "--out", "--nudge"});
   line::exclude(app, "--background", {"--at", "--turn", "--nudge"});
   line::exclude(app, "--nudge", {"--at", "--turn"});
+  line::exclude(app, "--by-touch", {"--target", "--background", "--at", "--turn", "--scene"});
 }
 
 /// What was written for a printer, and the next steps.
@@ -146,6 +147,7 @@ void learn_background(const Extensions& extensions, const CalibrateCommand& o) {
 }
 
 void run_calibrate(const Extensions& extensions, const CalibrateCommand& o) {
+  if (o.by_touch) return run_by_touch(extensions, o);
   if (o.nudge) return run_nudge(extensions, o);
   if (!o.common.gpu.empty() || o.common.validation)
     throw bad_usage("--gpu and --validation go with --nudge: all else of palpa calibrate uses the processor");
@@ -160,12 +162,13 @@ void add_calibrate(Program& program) {
   const Extensions& extensions = program.extensions;
   add_subcommand<CalibrateCommand>(
       program,
-      {"calibrate", "where the cameras are, from what they see of a printed target",
+      {"calibrate", "where the cameras are, from what they see of a printed target, or by touch",
        "  palpa calibrate --target target.stl --layout openmpd\n"
        "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml",
-       "--target --rig --layout --source --out --frames --at --background --nudge --link",
+       "--target --rig --layout --source --out --frames --at --background --nudge --by-touch --link",
        "palpa doctor --write-rig writes a rig to begin with. With --background, palpa learns what is not a hand. With "
-       "--nudge, you correct the array's place by what you feel (docs/calibration.md)."},
+       "--by-touch, you touch foci instead of printing a target. With --nudge, you correct the array's place by what "
+       "you feel (docs/calibration.md)."},
       add_options_of_calibrate, [&extensions](const CalibrateCommand& o) { run_calibrate(extensions, o); });
 }
 

@@ -7,6 +7,7 @@
 #include "base/files/output_file.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "cli/board_eeprom.hpp"
 #include "cli/commands.hpp"
 #include "cli/doctor_rig.hpp"
 #include "geometry/parts/vhacd.hpp"
@@ -23,6 +24,8 @@ namespace {
 struct DoctorOptions {
   setup::CommonOptions common;
   std::string write_rig, source;
+  setup::RigOptions rig;
+  std::string write_eeprom, serial;
 };
 
 void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
@@ -32,6 +35,19 @@ void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
   group.text("--source", o.source, "SOURCE",
              "with --write-rig: takes the cameras of recording:DIR or bag:FILE [those plugged in]");
   line::need(app, {"--source"}, "--write-rig");
+  const line::Group placement(app, "Where cameras stand");
+  placement.text("--rig", o.rig.rig, "FILE",
+                 "says what the cameras of this rig will see, by simulation: a fingertip's contacts, the calibration "
+                 "target on its mount, the array's boards");
+  setup::add_layout(placement, o.rig.layout, "the array", " [the rig's]");
+  line::need(app, {"--layout"}, "--rig");
+  const line::Group boards(app, "Boards");
+  boards.text("--write-eeprom", o.write_eeprom, "FILE",
+              "writes the configuration with which the program ftdi_eeprom sets up the FT232H of an OpenMPD board; "
+              "palpa itself writes to no device");
+  boards.text("--serial", o.serial, "NAME", "with --write-eeprom: the board's new serial number", check_serial);
+  line::need(app, {"--serial"}, "--write-eeprom");
+  line::need(app, {"--write-eeprom"}, "--serial");
 }
 
 std::string driver_advice() {
@@ -153,11 +169,18 @@ std::string conclusion(bool ok, const setup::UsedBackend& computes) {
 }
 
 void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
-  const Outputs outputs({{"--json", options.common.json}, {"--write-rig", options.write_rig}});
-  const std::string written = options.write_rig.empty() ? std::string() : write_found_rig(options, extensions);
+  const Outputs outputs(
+      {{"--json", options.common.json}, {"--write-rig", options.write_rig}, {"--write-eeprom", options.write_eeprom}});
+  std::string written = options.write_rig.empty() ? std::string() : write_found_rig(options, extensions);
+  if (!options.write_eeprom.empty()) {
+    write_file(options.write_eeprom, eeprom_configuration(options.serial, options.write_eeprom));
+    written +=
+        fmt::format("{}: for ftdi_eeprom; its first lines say how to use it (docs/boards.md)\n", options.write_eeprom);
+  }
   std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation(), look_at_features()};
   for (const DoctorProbe& probe : extensions.doctor)
     sections.push_back(probe());
+  if (!options.rig.rig.empty()) sections.push_back(look_at_rig(options.rig));
   const bool ok = usable_gpu(sections.front());
   const setup::UsedBackend computes = setup::used_backend(options.common);
 
@@ -180,7 +203,8 @@ void add_doctor(Program& program) {
       program,
       {"doctor", "what works on this machine, and what to do about the rest",
        "  palpa doctor\n"
-       "  palpa doctor --write-rig rig.toml",
+       "  palpa doctor --write-rig rig.toml\n"
+       "  palpa doctor --rig assets/rigs/openmpd-one.toml",
        "", "The exit code is 0 if there is a GPU that palpa can use, else 3. Mesa's driver for the processor counts."},
       add_options_of_doctor, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); },
       setup::Computes::on_processor);

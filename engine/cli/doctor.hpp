@@ -13,7 +13,7 @@
 
 namespace palpa::cli {
 
-using Fact = std::variant<std::string, std::int64_t, bool>;
+using Fact = std::variant<std::string, std::int64_t, bool, double>;
 
 /// One device, layer or file that was looked at.
 struct DoctorItem {

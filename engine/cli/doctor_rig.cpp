@@ -7,10 +7,12 @@
 
 #include "base/error.hpp"
 #include "geometry/mesh/mesh.hpp"
+#include "sensing/find_target.hpp"
 #include "sensing/rig_toml.hpp"
 #include "session/links/sources.hpp"
 #include "setup/sessions/frames.hpp"
 #include "setup/sessions/tracker.hpp"
+#include "setup/tasks/rig_check.hpp"
 
 namespace palpa::cli {
 namespace {
@@ -33,6 +35,42 @@ CamerasThere cameras_of(const Extensions& extensions, const std::string& source)
     there.cameras.back().camera.T_world_camera = Transform(1.0);
   }
   return there;
+}
+
+/// A placement with less on some object is poor: half of the front of a fingertip.
+constexpr double least_contacts = 0.25;
+
+/// What is seen of a fingertip on each object, for people and for --json.
+DoctorItem contacts_item(const std::string& name, const setup::ContactShares& shares) {
+  DoctorItem item;
+  item.facts.emplace_back("name", name);
+  std::string each;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    each += fmt::format("{}{} {:.0f} %", i == 0 ? "" : ", ", setup::checked_objects[i], 100 * shares[i]);
+    item.facts.emplace_back(setup::checked_objects[i], shares[i]);
+  }
+  item.title = fmt::format("{}: {:.0f} % of a fingertip's contacts ({})", name, 100 * setup::mean_of(shares), each);
+  item.ok = setup::least_of(shares) >= least_contacts;
+  return item;
+}
+
+DoctorItem camera_item(const setup::CameraCheck& camera) {
+  DoctorItem item = contacts_item(camera.name, camera.contacts);
+  item.facts.emplace_back("hold", camera.hold);
+  item.facts.emplace_back("board", camera.board_share);
+  item.title += camera.board_share > 0 ? fmt::format("; boards in {:.1f} % of the image", 100 * camera.board_share)
+                                       : "; no board in the image";
+  if (camera.target_fault.empty()) item.title += fmt::format("; the target with hold {:.2f}", camera.hold);
+  if (!item.ok) {
+    item.advice =
+        "sees too little of where a fingertip touches: it needs to be 0.28 m or more away, about as high as "
+        "the object, and aimed at its top (docs/cameras.md)";
+  }
+  if (!camera.target_fault.empty()) {
+    item.ok = false;
+    item.advice += (item.advice.empty() ? "palpa calibrate: " : "; palpa calibrate: ") + camera.target_fault;
+  }
+  return item;
 }
 
 }  // namespace
@@ -59,6 +97,15 @@ std::string rig_of(const CamerasThere& there, const std::string& file) {
   for (const CameraThere& one : there.cameras)
     text += fmt::format("\n# {}\n{}", one.note, sensing::to_toml(one.camera));
   return text;
+}
+
+DoctorSection look_at_rig(const setup::RigOptions& options) {
+  const setup::RigCheck check = setup::check_rig(options);
+  DoctorSection section{"rig", "What the cameras of " + options.rig + " will see, by simulation", {}, {}};
+  for (const setup::CameraCheck& camera : check.cameras)
+    section.items.push_back(camera_item(camera));
+  if (check.cameras.size() > 1) section.items.push_back(contacts_item("all cameras together", check.contacts));
+  return section;
 }
 
 }  // namespace palpa::cli

@@ -1,10 +1,12 @@
-// `palpa doctor --write-rig`: a rig file for the available cameras, to be calibrated.
+// `palpa doctor --write-rig`: a rig file for the available cameras, to be calibrated; and `palpa doctor --rig`: what
+// the cameras of a rig would see.
 #pragma once
 
 #include <string>
 
 #include "cli/command.hpp"
 #include "cli/doctor.hpp"
+#include "setup/options/options.hpp"
 
 namespace palpa::cli {
 
@@ -15,5 +17,8 @@ CamerasThere cameras_there(const Extensions& extensions, const std::string& sour
 /// The rig as TOML, with comments on what is known about each camera and on how to find the poses. `file`: the name
 /// under which it will be written.
 std::string rig_of(const CamerasThere& there, const std::string& file);
+
+/// Section "rig": an item for each camera, and one for all of them together. Throws as setup::check_rig does.
+DoctorSection look_at_rig(const setup::RigOptions& options);
 
 }  // namespace palpa::cli

@@ -40,7 +40,7 @@ namespace {
 
 constexpr double step_m = 1e-3, fine_step_m = 1e-4;
 constexpr const char* no_terminal =
-    "--nudge: stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
+    ": stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
 
 /// The state that the keys determine.
 class Nudge {
@@ -130,8 +130,8 @@ class Shown {
 /// frames use the resulting state.
 class Hand final : public session::RunObserver {
  public:
-  /// Of `script`, one key is pressed with each frame that has a finger. `touches`: null without a tracker.
-  Hand(session::Session& session, Nudge& nudge, setup::FocusTouches* touches, std::vector<KeyPress> script,
+  /// Of `script`, one key is pressed with each frame that has a finger. `touches`: null if a single focus is moved.
+  Hand(session::Session& session, Nudge& nudge, setup::TouchSteps* touches, std::vector<KeyPress> script,
        std::atomic<bool>& stop, bool quiet)
       : session_(&session),
         script_(std::move(script)),
@@ -178,7 +178,7 @@ class Hand final : public session::RunObserver {
     touches_->nudge(nudge_->offset());
     const std::string fault = touches_->take(time_s_);
     hint_ = fault.empty() ? "" : ": " + fault;
-    if (!touches_->touches()) nudge_->go_on(fault.empty());
+    if (!touches_->complete()) nudge_->go_on(fault.empty());
   }
   Vec3 offset() const {
     const std::lock_guard lock(mutex_);
@@ -191,7 +191,7 @@ class Hand final : public session::RunObserver {
   Vec3 aim_{0};           ///< of the session
   mutable std::mutex mutex_;
   Nudge* nudge_;
-  setup::FocusTouches* touches_;
+  setup::TouchSteps* touches_;
   std::atomic<bool>* stop_;
   Shown shown_;
   bool begun_ = false;
@@ -202,7 +202,7 @@ class Hand final : public session::RunObserver {
 /// Reads the terminal's keys, whether frames come or not. Earlier input is discarded.
 class Typing {
  public:
-  explicit Typing(Hand& hand) : terminal_(no_terminal), hand_(&hand) {
+  Typing(Hand& hand, const char* mode) : terminal_(mode + std::string(no_terminal)), hand_(&hand) {
     terminal_.forget();
     thread_ = start_thread("the keys", [this] { listen(); });
   }
@@ -233,11 +233,6 @@ class Typing {
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
-
-void check_nudge(const CalibrateCommand& o) {
-  if (o.out.empty()) throw bad_usage("--nudge: --out is missing: give a file for the new rig");
-  if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(no_terminal);
-}
 
 std::string nudge_json(const Vec3& offset, bool saved, const sensing::Rig& rig) {
   JsonWriter json;
@@ -288,7 +283,7 @@ void report_registration(const CalibrateCommand& o, const Outputs& outputs, cons
 
 /// Runs until Enter or q, or until the run ends otherwise.
 void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge,
-                   setup::FocusTouches* touches) {
+                   setup::TouchSteps* touches) {
   const log::Relay relay;
   const setup::Interrupt interrupt(
       "ended without finishing, one second after the signal: a link, device or file did not answer");
@@ -296,12 +291,42 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
   if (!o.keys.empty()) script = parse_keys("--keys", o.keys);
   Hand hand(live.session(), nudge, touches, std::move(script), stop, o.common.quiet);
   std::optional<Typing> typing;
-  if (o.keys.empty()) typing.emplace(hand);
+  if (o.keys.empty()) typing.emplace(hand, o.by_touch ? "--by-touch" : "--nudge");
   log::release_warnings();
   live.run(hand);
 }
 
 }  // namespace
+
+void check_keys(const CalibrateCommand& o, const char* mode) {
+  if (o.out.empty()) throw bad_usage(fmt::format("{}: --out is missing: give a file for the new rig", mode));
+  if (o.keys.empty() && isatty(STDIN_FILENO) == 0) throw bad_usage(mode + std::string(no_terminal));
+  // Before anything is opened.
+  if (!o.keys.empty() && parse_keys("--keys", o.keys).empty())
+    throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
+}
+
+KeysEnd run_with_keys(const CalibrateCommand& o, std::span<const session::SourceKind> sources,
+                      std::span<const session::LinkKind> links, const char* mode, setup::TouchSteps* touches) {
+  std::atomic<bool>& stop = setup::Interrupt::flag();
+  Nudge nudge;
+  KeysEnd end;
+  try {
+    setup::LiveRun live(o, sources, links, stop);
+    run_until_end(live, o, stop, nudge, touches);
+  } catch (const Error& error) {
+    // A confirmed result is not lost if the link fails at the end.
+    if (nudge.end() != Nudge::End::save) throw;
+    end.fault = error;
+  }
+  end.saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
+  end.offset_m = nudge.offset();
+  if (!end.saves && nudge.end() != Nudge::End::leave && !setup::Interrupt::signalled()) {
+    throw failure(fmt::format("{}: nothing is saved, because it ended before Enter was pressed{}", mode,
+                              touches ? " at " + touches->line() : ""));
+  }
+  return end;
+}
 
 void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
   const line::Group group(app, "With --nudge");
@@ -309,6 +334,9 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
              "plays a focus at the fingertip that cameras see; move it with the arrows, PageUp and PageDown until you "
              "feel it there, and --out gets the array's corrected place; with --source joints, plays four foci, and "
              "--out gets the tracker's place after you touched each with the index finger and pressed Enter");
+  group.flag("--by-touch", o.by_touch,
+             "plays eight foci one after the other; touch each with a fingertip that points to the array, and press "
+             "Enter; --out gets the poses of the cameras that saw it (docs/calibration.md)");
   group.text("--scene", o.scene, "FILE", "glTF model that the fingertip touches [assets/cube.glb]");
   group.text("--link", o.link, "LINK", "where drives go, as for palpa run");
   setup::add_board_files(group, o.board_files);
@@ -316,17 +344,15 @@ void add_nudge_options(CLI::App& app, CalibrateCommand& o) {
              "keys instead of a terminal's, one with each frame: \"right*3 shift+up enter\" [the terminal's]");
   group.quantity("--hold", o.hold_s, Quantity::time, line::positive(10),
                  "how long the newest frame sounds if no other comes");
-  setup::add_safety(group, o.safety);
+  setup::add_safety(group, o.safety, &o.ceiling_known);
   setup::add_medium_options(app, o.drive.medium);
+  line::imply(app, "--by-touch", "--nudge");
   line::need(app, line::under(app, {"With --nudge", "Air and tone"}), "--nudge");
 }
 
 void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
   CalibrateCommand o = given;
-  check_nudge(o);
-  // Before anything is opened.
-  if (!o.keys.empty() && parse_keys("--keys", o.keys).empty())
-    throw bad_usage("--keys has no key: give keys such as \"right*3 enter\"");
+  check_keys(o, "--nudge");
   if (o.source.empty()) o.source = "synthetic";
   const bool tracked = setup::is_tracker(o.source);
   if (tracked && !o.scene.empty())
@@ -340,44 +366,27 @@ void run_nudge(const Extensions& extensions, const CalibrateCommand& given) {
                          {"--link", session::file_of_link(o.link, setup::with_builtin(extensions.links))}});
   setup::take_layout_of_link(o.rig, o.link, setup::with_builtin(extensions.links));
   const setup::PosedRig posed = setup::load_posed_rig(o.rig);
-  std::atomic<bool>& stop = setup::Interrupt::flag();
-  Nudge nudge;
   setup::FocusTouches touches;
   std::vector<session::SourceKind> sources = extensions.sources;
   if (tracked) {
     sources.push_back(touches.source());
     o.own_method = touches.method();
   }
-  std::optional<Error> fault;
-  try {
-    setup::LiveRun live(o, sources, extensions.links, stop);
-    run_until_end(live, o, stop, nudge, tracked ? &touches : nullptr);
-  } catch (const Error& error) {
-    // A confirmed result is not lost if the link fails at the end.
-    if (nudge.end() != Nudge::End::save) throw;
-    fault = error;
-  }
-  const bool saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
-  const bool left = nudge.end() == Nudge::End::leave || setup::Interrupt::signalled();
-  if (!saves && !left) {
-    const std::string rest = touches.line();
-    throw failure(fmt::format("--nudge: nothing is saved, because it ended before Enter was pressed{}",
-                              tracked ? " at " + rest : ""));
-  }
+  const KeysEnd end = run_with_keys(o, sources, extensions.links, "--nudge", tracked ? &touches : nullptr);
   if (tracked) {
-    report_registration(o, outputs, posed, saves, touches);
-    if (fault) throw Error(*fault);
+    report_registration(o, outputs, posed, end.saves, touches);
+    if (end.fault) throw Error(*end.fault);
     return;
   }
-  const sensing::Rig rig = setup::nudged_rig(posed, o.rig, "--keys", nudge.offset());
-  if (saves) setup::write_rig(o.out, rig);
-  if (!o.common.json.empty()) write_file(o.common.json, nudge_json(nudge.offset(), saves, rig));
+  const sensing::Rig rig = setup::nudged_rig(posed, o.rig, "--keys", end.offset_m);
+  if (end.saves) setup::write_rig(o.out, rig);
+  if (!o.common.json.empty()) write_file(o.common.json, nudge_json(end.offset_m, end.saves, rig));
   if (setup::shows_summary(o.common, outputs)) {
-    const Vec3 mm = nudge.offset() * 1e3;
+    const Vec3 mm = end.offset_m * 1e3;
     write_file("-", fmt::format("x {:+.1f}, y {:+.1f}, z {:+.1f} mm; {}\n", mm.x, mm.y, mm.z,
-                                saves ? "written to " + o.out : "nothing is saved"));
+                                end.saves ? "written to " + o.out : "nothing is saved"));
   }
-  if (fault) throw Error(*fault);
+  if (end.fault) throw Error(*end.fault);
 }
 
 }  // namespace palpa::cli

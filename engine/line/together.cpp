@@ -23,6 +23,13 @@ void need(CLI::App& app, std::initializer_list<std::string> options, const std::
   need(app, std::span(options.begin(), options.size()), other);
 }
 
+void imply(CLI::App& app, const std::string& option, const std::string& other) {
+  CLI::Option* const implied = app.get_option(other);
+  app.get_option(option)->each([implied](const std::string&) {
+    if (implied->count() == 0) implied->add_result("true");
+  });
+}
+
 void exclude(CLI::App& app, const std::string& option, std::initializer_list<std::string> others) {
   for (const std::string& other : others)
     app.get_option(option)->excludes(app.get_option(other));

@@ -177,9 +177,11 @@ void Group::quantity_or_auto(const std::string& name, double& target, bool& auto
 }
 
 void Group::number(const std::string& name, const Target<double>& target, const Range& range, const std::string& type,
-                   const std::string& help) const {
-  add(name, type, target.initial ? fmt::format("{}", *target.initial) : "", help,
-      [=](const auto& text) { target.set(take_number(name, text, range)); });
+                   const std::string& help, bool* given) const {
+  add(name, type, target.initial ? fmt::format("{}", *target.initial) : "", help, [=](const auto& text) {
+    target.set(take_number(name, text, range));
+    if (given) *given = true;
+  });
 }
 
 void Group::integer(const std::string& name, const Target<std::uint64_t>& target, std::uint64_t low, std::uint64_t high,

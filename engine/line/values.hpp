@@ -61,9 +61,9 @@ class Group {
   /// The same, or "auto", which leaves `target` unchanged.
   void quantity_or_auto(const std::string& name, double& target, bool& automatic, Quantity quantity, const Range& range,
                         const std::string& help) const;
-  /// A number without a unit; `type` is its placeholder in the help.
+  /// A number without a unit; `type` is its placeholder in the help. `given` as for quantity().
   void number(const std::string& name, const Target<double>& target, const Range& range, const std::string& type,
-              const std::string& help) const;
+              const std::string& help, bool* given = nullptr) const;
   void integer(const std::string& name, const Target<std::uint64_t>& target, std::uint64_t low, std::uint64_t high,
                const std::string& help) const;
   /// A large whole number, optionally in thousands or millions: 400000, 400k, 1M.

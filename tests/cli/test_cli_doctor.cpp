@@ -105,5 +105,42 @@ TEST(Doctor, WritesARigForTheCamerasThatAreThere) {
   expect_failure(doctor({"--source", "synthetic"}), 2, "--source");
 }
 
+TEST(Doctor, SaysWhatTheCamerasOfARigWillSee) {
+  const std::string rig = source_file("assets/rigs/openmpd-one.toml");
+  const Result result = palpa_here({"doctor", "--rig", rig, "--json", "-"});
+  ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 3) << result.err;
+  const json cameras = json::parse(result.out)["rig"];
+  ASSERT_EQ(cameras.size(), 1u) << "one camera needs no line for all together";
+  EXPECT_EQ(cameras[0]["name"], "front left");
+  EXPECT_GT(cameras[0]["hold"].get<double>(), 0.2);
+  for (const char* object : {"cube", "semi-sphere", "pyramid", "prism"})
+    EXPECT_GT(cameras[0][object].get<double>(), 0.38) << object;
+  EXPECT_FALSE(cameras[0].contains("advice"));
+  // A camera that nobody has placed.
+  const std::string unplaced = scratch_folder("doctor-sight") / "rig.toml";
+  sensing::Rig wrong = sensing::load_rig(rig);
+  wrong.cameras[0].T_world_camera = Transform(1.0);
+  wrong.array.reset();
+  write_text(unplaced, sensing::to_toml(wrong));
+  const Result told = palpa_here({"doctor", "--rig", unplaced, "--layout", "autd3"});
+  EXPECT_CONTAINS(told.out, "-- front left: 0 % of a fingertip's contacts");
+  EXPECT_CONTAINS(told.out, "docs/cameras.md");
+  expect_failure(palpa_here({"doctor", "--rig", unplaced}), 4, "--layout");
+}
+
+TEST(Doctor, WritesTheConfigurationOfABoardsChip) {
+  const std::string file = scratch_folder("doctor-eeprom") / "lab1.conf";
+  const Result result = palpa_here({"doctor", "--write-eeprom", file, "--serial", "LAB1"});
+  ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 3) << result.err;
+  EXPECT_CONTAINS(result.out, file + ": for ftdi_eeprom");
+  const std::string text = read_text(file);
+  for (const char* line : {"\nvendor_id=0x0403\n", "\nproduct_id=0x6014\n", "\nserial=\"LAB1\"\n",
+                           "\nuse_serial=true\n", "\ncha_type=FIFO ", "\ncha_vcp=false ", "\nfilename=old-LAB1.bin\n"})
+    EXPECT_CONTAINS(text, line);
+  EXPECT_CONTAINS(text, "--flash-eeprom " + file);
+  for (const char* bad : {"A,B", "23@1-4", "with space", "seventeen-letters"})
+    expect_failure(palpa_here({"doctor", "--write-eeprom", file, "--serial", bad}), 2, "--serial");
+}
+
 }  // namespace
 }  // namespace palpa::test

@@ -16,6 +16,7 @@
 #include "support/drive_recording.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
+#include "support/occurrences.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
 #include "support/side_by_side.hpp"
@@ -64,6 +65,10 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   });
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_CONTAINS(result.err, "plans transferred");
+  EXPECT_EQ(occurrences(result.err, ": plays at full amplitude"), 1u) << result.err;
+  const Result chosen = palpa(with(run_to("autd3:" + address, "autd3"), {"--ceiling", "1"}));
+  EXPECT_EQ(chosen.exit_code, 0);
+  EXPECT_EQ(occurrences(chosen.err, "plays at full amplitude"), 0u) << chosen.err;
   expect_counts(result.out);
   // Without a layout, the link's own array is one unit.
   const Result own = palpa({"link", "test", "--link", "autd3:" + address, "--last", "1", "--each", "20ms", "--rest",

@@ -7,7 +7,7 @@
 #include "setup/options/compute.hpp"
 #include "support/thrown.hpp"
 
-namespace palpa::setup::test {
+namespace palpa::setup {
 namespace {
 
 using Found = std::optional<std::string>;
@@ -72,4 +72,4 @@ TEST(Backend, RefusesAnEnvironmentThatNamesNoBackend) {
 }
 
 }  // namespace
-}  // namespace palpa::setup::test
+}  // namespace palpa::setup

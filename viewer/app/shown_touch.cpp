@@ -6,12 +6,14 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "geometry/files/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "setup/options/warnings.hpp"
 #include "setup/process/progress.hpp"
 #include "setup/sessions/load.hpp"
+#include "setup/sessions/nearest_skin.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "setup/sessions/touch_schedule.hpp"
 
@@ -60,6 +62,10 @@ void ShownTouch::load_objects(const ViewerOptions& options) {
   if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = *layout_;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
                                                 std::move(solids), input, std::move(array), times);
+  if (one.touch.finger_count == 0) {
+    if (const auto nearest = setup::nearest_skin(one.session.solids(), input))
+      log::warning("nothing touches: the nearest skin is " + setup::place_of(*nearest, one.session.solids()));
+  }
   show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
   picture_.skin_count = input.point_count;
   show_cameras(picture_, input.cameras);

@@ -84,6 +84,7 @@ std::optional<std::string> RunControl::advance() {
 
 std::optional<std::vector<std::string>> RunControl::begin() {
   if (state_ != RunState::ready) return std::vector<std::string>();
+  if (loud_ && session_ && session_->scene()) told_loud_.insert(options_.link);  // it came far enough to say so
   session_.reset();
   scene_.reset();
   *stop_ = false;
@@ -94,6 +95,8 @@ std::optional<std::vector<std::string>> RunControl::begin() {
   }
   options_ = next_;
   setup::LiveOptions options = next_;
+  loud_ = setup::is_loud_by_default(options);
+  options.ceiling_known |= told_loud_.contains(options.link);
   std::vector<std::string> lines = outputs_.name(options, setup::with_builtin(kinds_.links));
   starter_.run([&] { session_ = std::make_unique<LiveSession>(std::move(options), kinds_, *stop_, wake_); });
   state_ = RunState::loading;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -93,6 +94,8 @@ class RunControl {
   setup::LiveOptions options_, next_;
   Starter starter_;
   NextOutputs outputs_;
+  bool loud_ = false;                ///< the session plays at full amplitude because nobody chose a ceiling
+  std::set<std::string> told_loud_;  ///< links of which a session has said so
   std::unique_ptr<LiveSession> session_;
   std::shared_ptr<const LiveScene> scene_;
 };

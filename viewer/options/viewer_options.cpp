@@ -134,7 +134,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   where.choice("--frame", o.frame, {{"touch", Extent::touch}, {"objects", Extent::objects}, {"all", Extent::all}},
                "what fills the picture [all if an array is drawn, else objects]");
   where.flag("--ortho", o.orthographic, "draws in parallel projection");
-  where.flag("--inset", o.inset, "draws a close-up of the touch in the corner");
+  where.flag("--inset", o.inset,
+             "draws a close-up of the touch in the corner; a live run has one if the touch is small in the picture");
 
   const line::Group participant(app, "What the participant sees");
   participant.flag(
@@ -155,8 +156,10 @@ void add_options(CLI::App& app, ViewerOptions& o) {
 
   const line::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "opens no window");
-  how.integer("--frames", o.frames, 1, 1'000'000,
-              "number of frames to draw, a slot each, before it exits [no end; with --headless 1]");
+  how.integer(
+      "--frames", o.frames, 1, 1'000'000,
+      "number of frames to draw, a slot each, before it exits [no end; with --headless 1, and of a live run the "
+      "first with a touch]");
   how.text("--screenshot", o.screenshot, "FILE", "writes the last frame as PNG [no file]");
   how.text("--video", o.video, "FOLDER",
            "writes every picture, also those of a window, as PNG into a new folder: 000000.png and so on");
@@ -413,10 +416,22 @@ Participant participant_of(const ViewerOptions& o) {
   return participant;
 }
 
+namespace {
+
+/// Whether the picture has a close-up of the touch. A live run has one without --inset if the touch is small in it.
+bool wants_close_up(const ViewerOptions& o, const Viewpoint& viewpoint, const Picture& picture, const Size& size) {
+  constexpr double small = 0.2;  // of the picture's height
+  if (picture.fingers.empty() || o.inset || !o.is_live()) return o.inset && !picture.fingers.empty();
+  const Box touch = extent(picture, Extent::touch);
+  return glm::length(touch.high - touch.low) < small * size.height * metres_per_pixel(viewpoint, size.height);
+}
+
+}  // namespace
+
 std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& o, const Picture& picture,
                              const Size& size, double ratio) {
   std::vector<View> views{whole(viewpoint, size.width, size.height)};
-  if (o.inset && !picture.fingers.empty()) {
+  if (wants_close_up(o, viewpoint, picture, size)) {
     views.push_back(close_up(viewpoint, extent(picture, Extent::touch), size.width, size.height, ratio));
   }
   return views;

@@ -97,7 +97,8 @@ void place_slice(ViewState& state, const AskedSlice& asked, const Picture& pictu
 /// The first viewpoint, for a picture of that size. Throws bad_usage for a camera that does not exist.
 Viewpoint first_viewpoint(const ViewerOptions& options, const Picture& picture, const ViewState& state,
                           const Size& size);
-/// The views from `viewpoint`: the whole picture, and with --inset a close-up of the touch, if there is one.
+/// The views from `viewpoint`: the whole picture, and a close-up of the touch if there is one: with --inset, and in a
+/// live run if the touch is small in the picture.
 std::vector<View> views_from(const Viewpoint& viewpoint, const ViewerOptions& options, const Picture& picture,
                              const Size& size, double ratio);
 /// The settings for --participant. Throws bad_input for a rig without a screen.

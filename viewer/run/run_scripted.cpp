@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "viewer/app/app.hpp"
 #include "viewer/render/offscreen.hpp"
@@ -79,6 +81,25 @@ void draw_frames(App& app, Easel& easel, std::uint32_t frames, const std::functi
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
+}
+
+/// Draws the first picture of a live run with a touch. If there is none within 5 s of the first frame, or until the end
+/// of the run, says so and draws what there is.
+void draw_touch(App& app, Easel& easel, const std::function<double()>& now) {
+  constexpr double longest_wait_s = 5;
+  std::optional<double> until_s;
+  while (!app.quitting()) {
+    const LiveState state = app.data().content.run.state;
+    app.advance(now(), easel.size());
+    if (app.showed_frame() && !until_s) until_s = now() + longest_wait_s;
+    const bool over = state == LiveState::failed || state == LiveState::ended;
+    if (until_s && !app.picture().fingers.empty()) return easel.draw(app, now());
+    if (over || (until_s && now() > *until_s)) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  if (!until_s) return;
+  log::warning("nothing touched while the picture waited, for up to 5 s; --frames 1 takes a run's first picture");
+  easel.draw(app, now());
 }
 
 /// Pictures for files. While anything is being loaded, on any thread, a file may turn out to be an input. Pictures are
@@ -163,8 +184,10 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   threads.have_begun();
   Easel easel(options, device);
   const SilentEnd silent_end(stopper.flag());
-  if (options.interact.empty()) {
-    draw_frames(app, easel, options.frames.value_or(1), now);
+  if (options.interact.empty() && !options.frames) {
+    draw_touch(app, easel, now);
+  } else if (options.interact.empty()) {
+    draw_frames(app, easel, *options.frames, now);
   } else {
     play(app, easel, std::move(script), now);
   }

@@ -67,6 +67,7 @@ setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t m
   options.hysteresis = plan.run.hysteresis;
   options.predict = plan.run.predict ? session::Predict::automatic : session::Predict::off;
   options.safety.ceiling = plan.level.ceiling;
+  options.ceiling_known = true;
   options.hold_s = run.hold_s;
   options.hold_auto = run.hold_auto;
   return options;

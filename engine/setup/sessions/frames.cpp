@@ -149,16 +149,29 @@ void add_frame_options(const line::Group& group, FrameOptions& o, const char* un
   add_loop_options(group, o);
 }
 
-void add_safety(const line::Group& group, session::Safety& safety) {
+void add_safety(const line::Group& group, session::Safety& safety, bool* ceiling_given) {
   group.number("--ceiling", safety.ceiling, {0, 1}, "NUMBER",
-               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square");
+               "multiplies every transducer's amplitude, 0 to 1; the pressure that skin feels follows its square",
+               ceiling_given);
   group.quantity("--ramp", safety.ramp_s, Quantity::time, {0, session::most_ramp_s},
                  "time in which sound gets to full strength when a touch begins, and to silence when it ends");
 }
 
+bool is_loud_by_default(const FrameOptions& o) {
+  return !o.ceiling_known && o.safety.ceiling == 1 && !o.drive.pressure_pa;
+}
+
+void warn_of_full_amplitude(const FrameOptions& o, const std::string& name, const session::Link& link) {
+  if (!link.boards() || !is_loud_by_default(o)) return;
+  log::warning(
+      fmt::format("--link {}: plays at full amplitude, because no --ceiling is given; --ceiling 0.3 makes it quieter, "
+                  "to a tenth of the strength that skin feels (--ceiling 1: as loud, without this warning)",
+                  name));
+}
+
 void add_loop_options(const line::Group& group, FrameOptions& o) {
   add_hold(group, o.hold_s, o.hold_auto);
-  add_safety(group, o.safety);
+  add_safety(group, o.safety, &o.ceiling_known);
   group.flag("--noise-free", o.noise_free, "renders synthetic frames without the sensor's noise");
   group.flag("--keep-boards", o.keep_boards,
              "what cameras see on the array's boards counts as skin; without this option, palpa drops it");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "line/values.hpp"
+#include "session/links/link.hpp"
 #include "session/links/sources.hpp"
 #include "session/pushed_points.hpp"
 #include "session/session.hpp"
@@ -36,6 +37,7 @@ struct FrameOptions {
   FocusingOptions drive;
   std::string finger;  ///< mesh for --transfer finger; empty: the asset
   session::Safety safety;
+  bool ceiling_known = false;  ///< --ceiling is on the line, or its user knows of the default
   double hold_s = 0.1;
   bool hold_auto = false;  ///< the hold may be lengthened
   std::uint64_t frames = 0;
@@ -79,8 +81,13 @@ std::vector<session::SourceKind> with_builtin(std::span<const session::SourceKin
 void add_frame_options(const line::Group& group, FrameOptions& options, const char* until);
 /// Adds only the options of the loop.
 void add_loop_options(const line::Group& group, FrameOptions& options);
-/// Adds --ceiling and --ramp.
-void add_safety(const line::Group& group, session::Safety& safety);
+/// Adds --ceiling and --ramp. `ceiling_given`: set to true if --ceiling is on the line.
+void add_safety(const line::Group& group, session::Safety& safety, bool* ceiling_given = nullptr);
+/// Whether these options play at full amplitude, without their user having asked for that: there is neither a ceiling
+/// nor a pressure.
+bool is_loud_by_default(const FrameOptions& options);
+/// Warns of that if the link is a board; `name` is that of the line.
+void warn_of_full_amplitude(const FrameOptions& options, const std::string& name, const session::Link& link);
 /// Adds the options for following fingers.
 void add_following_options(CLI::App& app, FrameOptions& options);
 /// Adds all other options of a session, in their own groups. `foci`: name of the option for the number of foci. `mesh`:

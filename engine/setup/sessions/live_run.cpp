@@ -158,6 +158,9 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
                       options_.overwrite ? sensing::Existing::replaced : sensing::Existing::refused);
   }
   link_ = open_link(links);
+  const auto asks_for_pressure = [](const geometry::Solid& solid) { return solid.haptics.pressure_pa.has_value(); };
+  if (!std::ranges::all_of(session().solids(), asks_for_pressure))
+    warn_of_full_amplitude(options_, options_.link, *link_);
 }
 
 /// If the link cannot be opened, there will be no frames, so an empty recording is removed.

@@ -77,7 +77,7 @@ void add_play_options(CLI::App& app, PlayOptions& o) {
   to.text("--link", o.link, "LINK",
           "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
   add_board_files(to, o.board_files);
-  add_safety(to, o.safety);
+  add_safety(to, o.safety, &o.ceiling_known);
   to.text("--osc", o.osc, "PORT|ADDRESS:PORT",
           "takes gain and mute from other programs, as OSC messages by UDP (docs/live-control.md) [no messages]",
           [](const std::string& text) { session::parse_osc_address(text); });
@@ -284,6 +284,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   }
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
   if (is_offline(o)) return session::record_sensation(sensation, *link, setting, offline_slots, stop);
+  warn_of_full_amplitude(o, o.link, *link);
   if (osc) osc->listen();
   const session::OutputStats stats = session::run_sensation(sensation, transport, *link, setting, stop, observer);
   if (follower) follower->end();

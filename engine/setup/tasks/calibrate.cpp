@@ -37,17 +37,6 @@ std::string source_of(const StillTask& task) {
   return task.source.empty() ? "synthetic" : task.source;
 }
 
-/// The target's pose in the world.
-Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
-  const TargetMount mount = target_mount(placed.layout);
-  Vec3 origin(mount.T_layout_target[3]);
-  if (!place.at.empty()) {
-    const auto [x, y, z] = line::parse_point("--at", place.at);
-    origin = {x, y, z};
-  }
-  return placed.T_world_layout * moved_mount(mount, origin, place.turn_deg * degree);
-}
-
 /// If the target or the camera has another scale, the camera's pose is wrong although the distances are small.
 void warn_of_scale(const CalibratedCamera& camera, double depth_unit_m) {
   const sensing::FoundTarget& found = camera.found;
@@ -91,6 +80,16 @@ std::unique_ptr<sensing::DepthSource> open_still_source(const StillTask& task, c
                                .seed = task.seed,
                                .paced = false,
                                .rig = posed.rig.file});
+}
+
+Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed) {
+  const TargetMount mount = target_mount(placed.layout);
+  Vec3 origin(mount.T_layout_target[3]);
+  if (!place.at.empty()) {
+    const auto [x, y, z] = line::parse_point("--at", place.at);
+    origin = {x, y, z};
+  }
+  return placed.T_world_layout * moved_mount(mount, origin, place.turn_deg * degree);
 }
 
 void check(const CalibrateTask& task) {

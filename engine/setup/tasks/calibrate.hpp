@@ -29,6 +29,9 @@ struct TargetPlace {
   double turn_deg = 0;  ///< of the target about its own z, counter-clockwise seen from above
 };
 
+/// Its pose in the world.
+Transform pose_of_target(const TargetPlace& place, const PlacedLayout& placed);
+
 /// Frames of things at rest.
 struct StillTask {
   std::string source;        ///< as session::open_source takes it; empty: a rehearsal, the rig's own cameras rendered

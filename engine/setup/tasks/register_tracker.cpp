@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <glm/matrix.hpp>
 #include <iterator>
 #include <memory>
 #include <utility>
@@ -14,6 +11,7 @@
 #include "base/error.hpp"
 #include "sensing/joints/capsules.hpp"
 #include "sensing/joints/tracker.hpp"
+#include "setup/tasks/rigid_fit.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -22,59 +20,6 @@ namespace {
 constexpr double most_residual_m = 10e-3;
 /// The triangles of the tips are at least this high.
 constexpr double least_height_m = 15e-3;
-
-/// The way from a focus to the array; zero if the array is all around it.
-Vec3 towards(const array::Layout& layout, const Vec3& focus) {
-  Vec3 sum(0);
-  for (const array::Transducer& transducer : layout.transducers)
-    sum += glm::normalize(transducer.position - focus);
-  sum /= static_cast<double>(layout.transducers.size());
-  const double length = glm::length(sum);
-  return length > 0.5 ? sum / length : Vec3(0);
-}
-
-/// The largest height over the longest side of any triangle of them.
-double height_of(std::span<const TouchedFocus> touches) {
-  double most = 0;
-  for (const TouchedFocus& a : touches) {
-    for (const TouchedFocus& b : touches) {
-      for (const TouchedFocus& c : touches) {
-        const Vec3 ab = b.tip_m - a.tip_m, ac = c.tip_m - a.tip_m;
-        const double side = std::max({glm::length(ab), glm::length(ac), glm::length(ac - ab)});
-        if (side > 0) most = std::max(most, glm::length(glm::cross(ab, ac)) / side);
-      }
-    }
-  }
-  return most;
-}
-
-/// The turn that takes the vectors `from` to `to` with the least squares: the quaternion that is the eigenvector of the
-/// largest eigenvalue of Horn's symmetric matrix. Squaring the matrix again and again leaves only that one.
-glm::dquat turn_of(std::span<const Vec3> from, std::span<const Vec3> to) {
-  glm::dmat3 s(0.0);  // s[j][i]: from's i times to's j
-  for (std::size_t k = 0; k < from.size(); ++k)
-    s += glm::outerProduct(from[k], to[k]);
-  const auto at = [&](int i, int j) { return s[j][i]; };
-  const double wx = at(1, 2) - at(2, 1), wy = at(2, 0) - at(0, 2), wz = at(0, 1) - at(1, 0);
-  const double xy = at(0, 1) + at(1, 0), xz = at(2, 0) + at(0, 2), yz = at(1, 2) + at(2, 1);
-  const double x = at(0, 0), y = at(1, 1), z = at(2, 2);
-  glm::dmat4 m(Vec4(x + y + z, wx, wy, wz), Vec4(wx, x - y - z, xy, xz), Vec4(wy, xy, y - x - z, yz),
-               Vec4(wz, xz, yz, z - x - y));
-  double size = 0;
-  for (int i = 0; i < 4; ++i)
-    size += glm::length(m[i]);
-  m += size * glm::dmat4(1.0);  // all eigenvalues are positive
-  constexpr int squarings = 50;
-  for (int i = 0; i < squarings; ++i) {
-    m = m * m;
-    m /= m[0][0] + m[1][1] + m[2][2] + m[3][3];
-  }
-  int longest = 0;
-  for (int i = 1; i < 4; ++i)
-    longest = glm::length(m[i]) > glm::length(m[longest]) ? i : longest;
-  const Vec4 q = glm::normalize(m[longest]);
-  return {q[0], q[1], q[2], q[3]};
-}
 
 /// The fingertip whose contacts with the cube let the focus sound.
 const sensing::Capsule fingertip{{0, 6e-3, 0}, {0, 60e-3, 0}, 8e-3, 8e-3};
@@ -106,44 +51,36 @@ class TouchingSource final : public sensing::DepthSource {
 
 }  // namespace
 
+Vec3 towards_array(const array::Layout& layout, const Vec3& focus) {
+  Vec3 sum(0);
+  for (const array::Transducer& transducer : layout.transducers)
+    sum += glm::normalize(transducer.position - focus);
+  sum /= static_cast<double>(layout.transducers.size());
+  const double length = glm::length(sum);
+  return length > 0.5 ? sum / length : Vec3(0);
+}
+
 Registration register_tracker(std::span<const TouchedFocus> touches, const array::Layout& layout) {
-  if (const double height_m = height_of(touches); height_m < least_height_m) {
+  std::vector<Vec3> tips, places;
+  for (const TouchedFocus& touch : touches) {
+    tips.push_back(touch.tip_m);
+    places.push_back(touch.focus_m - touch.radius_m * towards_array(layout, touch.focus_m));
+  }
+  if (const double height_m = height_of(tips); height_m < least_height_m) {
     throw failure(
         fmt::format("--nudge: the tracker saw the fingertip nearly on a line, in a triangle {:.0f} mm high, and "
                     "{:.0f} mm are needed: nothing is saved; touch each focus where it is felt",
                     height_m * 1e3, least_height_m * 1e3));
   }
-  const auto count = static_cast<double>(touches.size());
-  std::vector<Vec3> tips, places;
-  Vec3 tip(0), place(0);
-  for (const TouchedFocus& touch : touches) {
-    tips.push_back(touch.tip_m);
-    places.push_back(touch.focus_m - touch.radius_m * towards(layout, touch.focus_m));
-    tip += tips.back() / count;
-    place += places.back() / count;
-  }
-  for (std::size_t i = 0; i < tips.size(); ++i) {
-    tips[i] -= tip;
-    places[i] -= place;
-  }
-  const glm::dquat turn = turn_of(tips, places);
-  Registration found;
-  found.T_world_joints = glm::mat4_cast(turn);
-  found.T_world_joints[3] = Vec4(place - turn * tip, 1);
-  double sum = 0;
-  for (std::size_t i = 0; i < tips.size(); ++i) {
-    found.off_m.push_back(glm::distance(turn * tips[i], places[i]));
-    sum += found.off_m.back() * found.off_m.back();
-  }
-  found.residual_m = std::sqrt(sum / count);
-  if (!(found.residual_m <= most_residual_m)) {
-    const auto worst = std::ranges::max_element(found.off_m);
+  const RigidFit fit = fit_rigid(tips, places);
+  if (!(fit.residual_m <= most_residual_m)) {
+    const auto worst = std::ranges::max_element(fit.off_m);
     throw failure(
         fmt::format("--nudge: the touches do not fit the foci: {:.1f} mm off (rms), at most {:.0f}; the "
                     "worst is focus {} with {:.1f} mm: nothing is saved",
-                    found.residual_m * 1e3, most_residual_m * 1e3, worst - found.off_m.begin() + 1, *worst * 1e3));
+                    fit.residual_m * 1e3, most_residual_m * 1e3, worst - fit.off_m.begin() + 1, *worst * 1e3));
   }
-  return found;
+  return {fit.T_to_from, fit.residual_m, fit.off_m};
 }
 
 session::SourceKind FocusTouches::source() {

@@ -16,6 +16,7 @@
 #include "sensing/joints/tracked_hand.hpp"
 #include "session/links/sources.hpp"
 #include "session/plan/scheduler.hpp"
+#include "setup/tasks/touch_steps.hpp"
 
 namespace palpa::setup {
 
@@ -35,13 +36,16 @@ struct Registration {
   double residual_m = 0;      ///< rms distance of the tips from where the foci say they were
   std::vector<double> off_m;  ///< the distances
 };
-/// The rigid transform with the least squares (Horn 1987). The skin that touches a focus faces the array: the joint
-/// lies a radius farther away than the focus. For an array that is all around a focus, the joint is at the focus.
+/// The way from a focus to the array, a unit vector; zero if the array is all around it.
+Vec3 towards_array(const array::Layout& layout, const Vec3& focus);
+
+/// The rigid transform with the least squares (setup/rigid_fit.hpp). The skin that touches a focus faces the array: the
+/// joint lies a radius farther away than the focus. For an array that is all around a focus, the joint is at the focus.
 /// Throws failure if the tips lie nearly on a line, or if they remain more than 10 mm off (rms).
 Registration register_tracker(std::span<const TouchedFocus> touches, const array::Layout& layout);
 
 /// The touches of a run. Its source, its method and its keys use it on three threads.
-class FocusTouches {
+class FocusTouches final : public TouchSteps {
  public:
   /// The source `joints`: while the tracker sees one hand, there is a fingertip in the top of assets/cube.glb, so that
   /// the focus sounds.
@@ -49,13 +53,10 @@ class FocusTouches {
   /// Places the current focus.
   session::OwnMethod method();
 
-  /// The current focus is at this offset from its first place.
-  void nudge(const Vec3& offset);
-  /// The fingertip touches the current focus, in the frame of that time: the next one follows. Returns what keeps that
-  /// from being so; empty: nothing.
-  std::string take(double time_s);
-  /// "focus 2 of 4"; empty after the last.
-  std::string line() const;
+  void nudge(const Vec3& offset) override;
+  std::string take(double time_s) override;
+  std::string line() const override;
+  bool complete() const override { return touches().has_value(); }
   /// nullopt until all foci were touched.
   std::optional<std::vector<TouchedFocus>> touches() const;
 

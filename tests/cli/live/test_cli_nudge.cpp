@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "array/layouts/layout.hpp"
@@ -20,6 +22,7 @@
 #include "geometry/files/ply.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "setup/tasks/register_cameras.hpp"
 #include "support/files.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -194,6 +197,60 @@ TEST_F(Nudge, KeysAreReadWhileNoFrameComes) {
   EXPECT_TRUE(terminal.shows("all said")) << terminal.text();
   const Vec3 moved((*sensing::load_rig(file("nudged.toml")).array->T_world_layout)[3]);
   EXPECT_LT(glm::distance(moved, Vec3(-0.001, -0.15, 0)), 1e-12);
+}
+
+/// A rehearsal by touch with the rig of one camera.
+class ByTouch : public testing::Test {
+ protected:
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  std::vector<std::string> touch(const std::string& keys) const {
+    return {"calibrate", "--by-touch", "--backend", "cpu", "--rig",  rig_,
+            "--out",     file("new"),  "--hold",    "10s", "--keys", keys};
+  }
+  std::filesystem::path folder_ = scratch_folder("by-touch");
+  std::string rig_ = where_assets_are().second + "/rigs/openmpd-one.toml";
+};
+
+std::string eight_times(const std::string& keys) {
+  std::string all;
+  for (std::size_t i = 0; i < setup::camera_foci.size(); ++i)
+    all += keys + " ";
+  return all;
+}
+
+TEST_F(ByTouch, EightTouchesGiveTheCamerasPose) {
+  const Result result = palpa_here(with(touch(eight_times("wait*20 enter")),
+                                        {"--link", "record:" + file("drives.bin"), "--json", file("said.json")}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_CONTAINS(result.out, "front left: 8 touches, ");
+  EXPECT_CONTAINS(result.out, "palpa calibrate --nudge --rig " + file("new") + " refines it");
+  const sensing::Rig was = sensing::load_rig(rig_), now = sensing::load_rig(file("new"));
+  const json said = json::parse(read_text(file("said.json")));
+  EXPECT_EQ(said["saved"], true);
+  ASSERT_EQ(said["cameras"].size(), 1u);
+  EXPECT_EQ(said["cameras"][0]["touches"], 8);
+  EXPECT_DOUBLE_EQ(said["cameras"][0]["residual_m"].get<double>(), *now.cameras[0].residual_m);
+  // The camera was in its place, and the finger within 3 mm.
+  const Transform between = glm::inverse(was.cameras[0].T_world_camera) * now.cameras[0].T_world_camera;
+  EXPECT_DOUBLE_EQ(said["cameras"][0]["moved_m"].get<double>(), glm::length(Vec3(between[3])));
+  EXPECT_GT(glm::length(Vec3(between[3])), 1e-4) << "a new pose";
+  EXPECT_LT(glm::distance(
+                transform_point(now.cameras[0].T_world_camera * glm::inverse(was.cameras[0].T_world_camera), Vec3(0)),
+                Vec3(0)),
+            4e-3);
+  // The last focus sounded where the pose says that it was touched.
+  EXPECT_LT(phases_off(last_sound(file("drives.bin")), *was.array->T_world_layout, setup::camera_foci.back()), 2e-3);
+}
+
+TEST_F(ByTouch, NothingIsSavedBeforeTheLastFocus) {
+  expect_failure(palpa_here(touch("wait*20 enter wait*20 enter")), 1, "before Enter was pressed at focus 3 of 8");
+  const Result left = palpa_here(with(touch("wait*20 enter q"), {"--json", "-"}));
+  EXPECT_EQ(left.exit_code, 0) << left.err;
+  EXPECT_EQ(json::parse(left.out)["saved"], false);
+  EXPECT_FALSE(std::filesystem::exists(file("new")));
+  for (const auto& [more, fault] : {std::pair("--at", "exclude each other"), {"--turn", "exclude each other"}})
+    expect_failure(palpa_here(with(touch("q"), {more, std::string(more) == "--at" ? "0,0,1cm" : "90"})), 2, fault);
+  expect_failure(palpa_here(with(touch("q"), {"--source", "joints:hands.jsonl"})), 2, "--by-touch goes with cameras");
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ struct HeardSound {
   std::atomic<bool> gone{false};      ///< set by a test: the device is out of reach, as the link knows
   std::atomic<bool> unsure{false};    ///< set by a test: it is not known whether the last silence arrived
   std::atomic<std::uint64_t> arrived{0};
+  std::atomic<bool> board{false};  ///< set by a test: links that are opened from now on are boards
   std::atomic<bool> last_sounds{false}, finished{false};
   std::atomic<float> loudest{0};  ///< amplitude in the last drive that sounds
 
@@ -36,7 +37,11 @@ struct HeardSound {
 
 class HeardLink final : public session::Link {
  public:
-  explicit HeardLink(std::shared_ptr<HeardSound> heard) : heard_(std::move(heard)) { ++heard_->opened; }
+  HeardLink(std::shared_ptr<HeardSound> heard, const array::Layout& layout)
+      : heard_(std::move(heard)), layout_(heard_->board ? &layout : nullptr) {
+    ++heard_->opened;
+  }
+  const array::Layout* boards() const override { return layout_; }
   void plan(const session::PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     if (heard_->breaks) throw failure("heard: broken");
@@ -64,12 +69,14 @@ class HeardLink final : public session::Link {
 
  private:
   std::shared_ptr<HeardSound> heard_;
+  const array::Layout* layout_;
 };
 
 /// "heard".
 inline session::LinkKind heard_link(const std::shared_ptr<HeardSound>& heard) {
-  return {"heard", "",
-          [heard](const std::string&, const session::LinkSetting&) { return std::make_unique<HeardLink>(heard); }};
+  return {"heard", "", [heard](const std::string&, const session::LinkSetting& setting) {
+            return std::make_unique<HeardLink>(heard, setting.layout);
+          }};
 }
 
 /// A synthetic finger in a cube, computed on the processor and played to "heard" for that many frames; 0: without an

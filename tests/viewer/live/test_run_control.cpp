@@ -9,6 +9,8 @@
 
 #include "heard_link.hpp"
 #include "support/begins.hpp"
+#include "support/captured.hpp"
+#include "support/occurrences.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/live/run_control.hpp"
@@ -133,6 +135,28 @@ TEST_F(RunControls, WhatIsSwitchedOffStaysSoUntilItIsStarted) {
   // While it is being switched off, the last word counts.
   goes({{Act::switch_off, switching_off}, {Act::start, restarting}, {Act::switch_off, switching_off}});
   goes({{Act::start, restarting}, {Act::wait, ready}, {Act::begin, loading}, {Act::wait, running}});
+}
+
+/// How often a board's run says that it plays at full amplitude.
+std::size_t told_of(const std::string& messages) {
+  return test::occurrences(messages, "--link heard: plays at full amplitude");
+}
+
+TEST_F(RunControls, ABoardAtFullAmplitudeIsToldOnce) {
+  heard_->board = true;
+  const auto runs = [&](const setup::LiveOptions& options) {
+    return test::stderr_of([&] {
+      goes({{Act::start, ready}, {Act::begin, loading}, {Act::wait, running}}, options);
+      goes({{Act::switch_off, switching_off}, {Act::wait, switched_off}});
+    });
+  };
+  setup::LiveOptions quiet = test::heard_options();
+  quiet.safety.ceiling = 0.3;
+  EXPECT_EQ(told_of(runs(quiet)), 0u);
+  goes({{Act::start, ready}}, broken());
+  EXPECT_EQ(told_of(test::stderr_of([&] { goes({{Act::begin, loading}, {Act::wait, failed}}); })), 0u);
+  EXPECT_EQ(told_of(runs(test::heard_options())), 1u) << "the run that failed did not say so";
+  EXPECT_EQ(told_of(runs(test::heard_options())), 0u) << "its user knows";
 }
 
 TEST_F(RunControls, SwitchedOffBeforeOrAfterItsRunItBeginsNothing) {
