@@ -11,8 +11,8 @@
 
 namespace palpa::study {
 
-/// The level of the plan's loudest method at its ceiling, at the ear that is nearer to its array: foci on a ring of 35 mm, as on
-/// a fingertip that is 3 mm deep, or in its middle, on top of the objects. `objects` and `placed` as for
+/// The level of the plan's loudest method at its ceiling, at the ear that is nearer to its array: foci on a ring of 35
+/// mm, as on a fingertip that is 3 mm deep, or in its middle, on top of the objects. `objects` and `placed` as for
 /// predict_ear_level.
 acoustics::EarLevel predict_heard_level(const StudyPlan& plan, std::span<const Box> objects,
                                         const array::Layout* placed = nullptr);
