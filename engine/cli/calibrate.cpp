@@ -162,7 +162,7 @@ void add_calibrate(Program& program) {
   const Extensions& extensions = program.extensions;
   add_subcommand<CalibrateCommand>(
       program,
-      {"calibrate", "where the cameras are, from what they see of a printed target, or by touch",
+      {"calibrate", "where the cameras are, by a printed target or by touch",
        "  palpa calibrate --target target.stl --layout openmpd\n"
        "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml",
        "--target --rig --layout --source --out --frames --at --background --nudge --by-touch --link",

@@ -37,8 +37,9 @@ struct HeardSound {
 
 class HeardLink final : public session::Link {
  public:
-  HeardLink(std::shared_ptr<HeardSound> heard, const array::Layout& layout)
-      : heard_(std::move(heard)), layout_(heard_->board ? &layout : nullptr) {
+  /// `layout`: of the boards, if the link is a board.
+  explicit HeardLink(std::shared_ptr<HeardSound> heard, const array::Layout* layout = nullptr)
+      : heard_(std::move(heard)), layout_(layout) {
     ++heard_->opened;
   }
   const array::Layout* boards() const override { return layout_; }
@@ -75,7 +76,7 @@ class HeardLink final : public session::Link {
 /// "heard".
 inline session::LinkKind heard_link(const std::shared_ptr<HeardSound>& heard) {
   return {"heard", "", [heard](const std::string&, const session::LinkSetting& setting) {
-            return std::make_unique<HeardLink>(heard, setting.layout);
+            return std::make_unique<HeardLink>(heard, heard->board ? &setting.layout : nullptr);
           }};
 }
 
