@@ -50,6 +50,7 @@ PALPA_FIELDS(Layout, name, transducers, boards, factors, level, frequency, radiu
 }  // namespace palpa::array
 
 namespace palpa::acoustics {
+PALPA_FIELDS(EarLevel, low, high)
 PALPA_FIELDS(Tuned, ring, before, after, changed, field)
 PALPA_FIELDS(SolveReport, iterations, residual)
 PALPA_FIELDS(RigidBody::Effort, iterates, worst)
@@ -73,8 +74,8 @@ PALPA_FIELDS(Draws, count, seed)
 PALPA_FIELDS(Grid, plane, centre, size, columns, rows)
 PALPA_FIELDS(SimulateSpread, draws, langevin, squared, force, torque)
 PALPA_FIELDS(UsedBackend, backend, why)
-PALPA_FIELDS(TouchValues, touch, schedule, common, fingers, solids, own, points, spectra, pressures, computed, total,
-             times)
+PALPA_FIELDS(TouchValues, touch, schedule, common, fingers, solids, own, points, spectra, pressures, ear, computed,
+             total, times)
 PALPA_FIELDS(DriveSpread, draws, pressures, evenness, nulls)
 PALPA_FIELDS(NullReport, places, kept, quiet, loud)
 PALPA_FIELDS(DriveResult, layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread)
