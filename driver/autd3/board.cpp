@@ -37,9 +37,8 @@ void check(const array::Layout& layout) {
 }
 
 std::uint16_t divider_of(double slot_s) {
-  constexpr double most = 65535;
   const double periods = slot_s * period_hz;
-  if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= most)) {
+  if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= 65535)) {
     throw bad_usage(
         fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
                     "is, such as {:g}ms",

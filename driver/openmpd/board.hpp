@@ -11,11 +11,11 @@
 // first board. With `lag=`, all but the first get that lag instead.
 //
 // With steps, a drive is several frames, in even steps from the drive before: phases by the shorter way round, and
-// amplitudes. They take the slot except for its last frame, and there are as many as the boards take and as chip and bus
-// can carry. A transducer that was off takes its new phase, and one that goes off keeps its old phase. The boards pace
-// the frames. Silence waits for those that a board still has, so their queue, with what is on its way, never holds more
-// than a slot, nor more than most_queued frames: a drive that comes late leaves out its first steps, and never its last
-// frame, which waits instead. Without steps, a drive is one frame, and with a ramp as many as half a slot has, at
+// amplitudes. They take the slot except for its last frame, and there are as many as the boards take and as chip and
+// bus can carry. A transducer that was off takes its new phase, and one that goes off keeps its old phase. The boards
+// pace the frames. Silence waits for those that a board still has, so their queue, with what is on its way, never holds
+// more than a slot, nor more than most_queued frames: a drive that comes late leaves out its first steps, and never its
+// last frame, which waits instead. Without steps, a drive is one frame, and with a ramp as many as half a slot has, at
 // most 8.
 //
 // If a board falls out of step or is gone, all boards are silenced and resynchronised. The array plays on when all are
