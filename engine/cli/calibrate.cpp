@@ -165,10 +165,8 @@ void add_calibrate(Program& program) {
       {"calibrate", "where the cameras are, by a printed target or by touch",
        "  palpa calibrate --target target.stl --layout openmpd\n"
        "  palpa calibrate --rig my-cameras.toml --layout openmpd --source v4l2:/dev/video0 --out rig.toml",
-       "--target --rig --layout --source --out --frames --at --background --nudge --by-touch --link",
-       "palpa doctor --write-rig writes a rig to begin with. With --background, palpa learns what is not a hand. With "
-       "--by-touch, you touch foci instead of printing a target. With --nudge, you correct the array's place by what "
-       "you feel (docs/calibration.md)."},
+       "--target --rig --layout --source --out --frames --background --nudge --by-touch --link",
+       "palpa doctor --write-rig writes a rig to begin with; docs/calibration.md has all steps."},
       add_options_of_calibrate, [&extensions](const CalibrateCommand& o) { run_calibrate(extensions, o); });
 }
 

@@ -203,7 +203,6 @@ void add_doctor(Program& program) {
       program,
       {"doctor", "what works on this machine, and what to do about the rest",
        "  palpa doctor\n"
-       "  palpa doctor --write-rig rig.toml\n"
        "  palpa doctor --rig assets/rigs/openmpd-one.toml",
        "", "The exit code is 0 if there is a GPU that palpa can use, else 3. Mesa's driver for the processor counts."},
       add_options_of_doctor, [&program](const DoctorOptions& options) { run_doctor(options, program.extensions); },

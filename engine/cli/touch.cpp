@@ -133,7 +133,7 @@ void add_touch(Program& program) {
        "  palpa touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm\n"
        "  palpa touch --scene assets/cube.glb --depth assets/depth/hand.png \\\n"
        "              --camera assets/depth/camera.toml",
-       "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --audible --csv",
+       "--scene --points --depth --camera --penetration --method --foci --layout --spectrum --csv",
        "Depths and coordinates are in metres, in the world (glTF's axes, +y up)."},
       add_options_of_touch, run_touch);
 }

@@ -18,7 +18,7 @@ from palpa import sweeps
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PALPA = os.environ.get("PALPA_BINARY", str(ROOT / "build/release/bin/palpa"))
 # Options of outputs, of which the module has arrays.
-OUTPUTS = {"csv", "png", "vtu", "json", "stats"}
+OUTPUTS = {"wav", "csv", "png", "vtu", "json", "stats"}
 FLAGS = {"spectrum", "audible", "tune", "force", "no_absorption", "absorption", "noise_free", "figure6", "quiet", "allow_outside", "every_frame", "keep_boards",
          "background"}
 # What a page's variables and a README's earlier lines stand for: npm has the bunny, and a recording of 90 frames is slow.

@@ -120,6 +120,8 @@ constexpr Meaning meanings[] = {
     {"--smoothing", "none", "foci are as each frame has them"},
     {"--transfer", "free", "the sound of free air, as if no finger were there"},
     {"--transfer", "finger", "the sound on a mesh of the finger, which follows the hand"},
+    {"--steps", "on", "boards that can go from drive to drive in steps, which is quieter"},
+    {"--steps", "off", "drives change at once"},
     {"--hysteresis", "on", "a finger stays one until the evidence against it is strong"},
     {"--hysteresis", "off", "each frame decides for itself what a finger is"},
     {"--predict", "auto", "foci sound where the finger will be at that time"},

@@ -104,6 +104,8 @@ const std::string gltf = "scene.gltf picture.png corners.bin", rig = "mask.png l
                   filmed = "take/mask.png take/times.csv take/recording.toml take/depth-0.png";
 const std::vector<Line> lines{
     {"doctor", "", "--json --write-rig"},
+    {"doctor --rig IN/rig.toml --layout IN/layout.toml", rig, "--json"},
+    {"doctor --serial MPD0001", "", "--write-eeprom"},
     {"doctor --source recording:IN/take", filmed, "--write-rig"},
     {"doctor --source bag:IN/take.bag", "take.bag", "--write-rig"},
     {"doctor --source bag:IN/take.bag --write-rig IN/new", "take.bag", "--json"},
