@@ -64,16 +64,17 @@ void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mute
                 const std::function<void(std::span<const std::uint8_t>)>& heard) const {
   std::array<std::uint8_t, most_at_once> bytes{};
   double taken_s = 0;  // when the last bytes were there
-  double baud = 0;     // of the program that has the line
+  bool rested = true;
+  double baud = 0;  // of the program that has the line
   while (!stop) {
     pollfd one{master_.get(), POLLIN, 0};
     // If bytes wait, the line has not rested since the last ones, however late this thread comes to take them.
-    const bool rested = poll(&one, 1, 0) == 0;
+    rested = rested || poll(&one, 1, 0) == 0;
     if (rested && poll(&one, 1, look_ms) <= 0) continue;
     const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
     if (size <= 0) continue;
     const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));
-    if (rested) taken_s = monotonic_s();
+    if (std::exchange(rested, false)) taken_s = monotonic_s();
     taken_s += static_cast<double>(size) * byte_s;
     std::this_thread::sleep_for(std::chrono::duration<double>(taken_s - monotonic_s()));
     if (heard) heard(came);
