@@ -143,7 +143,7 @@ struct LoopStats {
   void add_passes(std::span<const gpu::PassTime> times);
 };
 
-/// One JSON object, keys as in docs/files.md.
+/// One JSON object, keys as in docs/run.md.
 std::string to_json(const LoopStats& stats);
 
 /// Adds "dropped": the points that were no skin, by reason.
