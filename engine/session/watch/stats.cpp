@@ -46,6 +46,14 @@ void add_hand_over(JsonWriter& json, const HandOver& counts) {
   json.end_object();
 }
 
+/// How the system schedules what must not be late.
+void add_scheduling(JsonWriter& json, const OutputStats& output) {
+  json.key("scheduling").begin_object().member("output", to_text(output.scheduling));
+  if (output.hand_over.behind && output.hand_over.behind->guard)
+    json.member("guard", to_text(output.hand_over.behind->guard_scheduling));
+  json.end_object();
+}
+
 }  // namespace
 
 double Samples::quantile(double p) const {
@@ -109,6 +117,7 @@ std::string to_json(const LoopStats& stats) {
   json.key("drives").begin_object();
   json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
   json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  if (stats.output.scheduling != Scheduling::unknown) add_scheduling(json, stats.output);
   add_hand_over(json, stats.output.hand_over);
   if (stats.events) {
     json.key("events").begin_object();

@@ -43,9 +43,10 @@ class Samples {
 /// Kept by the output thread.
 struct OutputStats {
   std::uint64_t drives = 0, silent_drives = 0, skipped_slots = 0;
-  HandOver hand_over;          ///< the counts of drives at each hand-over to the device
-  Samples jitter_s;            ///< how late each drive left
-  Samples capture_to_drive_s;  ///< from a frame's capture to its first drive
+  HandOver hand_over;                           ///< the counts of drives at each hand-over to the device
+  Scheduling scheduling = Scheduling::unknown;  ///< of the output thread at its end; unknown: it did not ask
+  Samples jitter_s;                             ///< how late each drive left
+  Samples capture_to_drive_s;                   ///< from a frame's capture to its first drive
 
   void sent(double late_s, bool silent) {
     ++drives;
