@@ -60,6 +60,10 @@ class Autd3Board final : public Board {
         loading_(count_, session::most_cycle),
         newest_(count_, session::most_cycle),
         drive_(count_) {
+    if (spec.nulls) {
+      notes_.warning(
+          "with nulls, phases jump from drive to drive, because what lies between two drives is not silent there");
+    }
     remote_.connect(monotonic_s());
     double until_s = monotonic_s() + open_patience_s;
     for (bool told = false; !ready();) {
