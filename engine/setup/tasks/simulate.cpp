@@ -118,14 +118,14 @@ std::vector<std::optional<Vec3>> foci_of(const session::Session& session) {
 }
 
 /// The sound on a finger, once its place is known.
-struct OnFinger {
+struct SoundThere {
   std::shared_ptr<const acoustics::RigidBody> body;
   std::optional<acoustics::FingerTransfer> transfer;  ///< with --transfer finger
   std::optional<acoustics::FingerField> field;        ///< for spectra and tuning, unless spots are requested
 
   /// All in the world; the layout must outlive it.
-  OnFinger(const SimulateTask& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
-           const acoustics::Air& air, const array::DriveOptions& drive)
+  SoundThere(const SimulateTask& o, std::shared_ptr<const acoustics::RigidBody> standing, const array::Layout& layout,
+             const acoustics::Air& air, const array::DriveOptions& drive)
       : body(std::move(standing)) {
     // Without absorption, as in the solvers.
     if (!asks_for_finger(o.drive).empty())
@@ -183,7 +183,7 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   log::release_warnings();
   result.times.emplace_back("load", watch.lap_ms());
   array::DriveOptions drive = array.drive;
-  std::optional<OnFinger> sound;
+  std::optional<SoundThere> sound;
   const auto stand = [&] {
     watch.lap_ms();
     sound.emplace(o, finger.standing(dy), rig.layout, air, drive);
