@@ -79,6 +79,7 @@ void measure_axis(const Context& context, const GrowthAxis& axis, std::uint32_t 
     of_host.samples.push_back(time_frames(context, axis.name, size, "host", frame, host, rows));
     of_device.samples.push_back(time_frames(context, axis.name, size, "device", frame, device, rows));
   }
+  if (of_host.samples.empty()) return;
   for (GrowthCurve* curve : {&of_host, &of_device}) {
     const Exponents exponents = exponents_of(curve->samples);
     const auto last = std::find_if(rows.rbegin(), rows.rend(), [&](const Row& row) {

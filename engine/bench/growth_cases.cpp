@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 #include <utility>
@@ -116,14 +117,23 @@ GrowthCase cameras(std::uint32_t size) {
   return with_cameras(setting_of(cube(), rig.layout), std::move(all));
 }
 
-/// Cubes of 5 mm in a square, 6 mm apart. The finger touches the same four of any larger square.
+/// A cube of 40 mm, which the finger touches, and around it cubes of 5 mm, 6 mm apart: the nearest places of a square.
 GrowthCase solids(std::uint32_t size) {
-  const auto columns = static_cast<std::uint32_t>(std::lround(std::sqrt(size)));
-  geometry::Scene scene{"bench", {}};
-  for (std::uint32_t i = 0; i < size; ++i) {
-    const Vec3 low(6e-3 * (double(i % columns) - columns / 2), -5e-3, 6e-3 * (double(i / columns) - columns / 2));
-    scene.meshes.push_back({"cube" + std::to_string(i), box_mesh(low - Vec3(2.5e-3, 0, 2.5e-3),  //
-                                                                 low + Vec3(2.5e-3, 5e-3, 2.5e-3))});
+  constexpr double apart = 6e-3, half = 2.5e-3;
+  const int reach = 6 + static_cast<int>(std::sqrt(size) / 2);
+  std::vector<Vec3> places;
+  for (int column = -reach; column <= reach; ++column) {
+    for (int row = -reach; row <= reach; ++row) {
+      if (std::max(std::abs(column), std::abs(row)) > 4) places.emplace_back(apart * column, 0, apart * row);
+    }
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Vec3& a, const Vec3& b) { return glm::dot(a, a) < glm::dot(b, b); });
+  geometry::Scene scene{"bench", {{"touched", box_mesh(Vec3(-0.02, -0.04, -0.02), Vec3(0.02, 0, 0.02))}}};
+  for (std::uint32_t i = 0; i + 1 < size; ++i) {
+    const Vec3& top = places.at(i);
+    scene.meshes.push_back({"cube" + std::to_string(i), box_mesh(top - Vec3(half, 2 * half, half),  //
+                                                                 top + Vec3(half, 0, half))});
   }
   const setup::PosedRig rig = setup::load_posed_rig({});
   return with_cameras(setting_of(geometry::make_solids(scene), rig.layout), rig.rig.cameras);
@@ -136,7 +146,7 @@ const GrowthAxis axes[]{
     {"foci", {1, 2, 4, 8, 16, 32, 64}, foci},
     {"transducers", {249, 996, 3'984, 8'964, 15'936}, transducers},
     {"cameras", {1, 2, 3, 4, 6, 8}, cameras},
-    {"solids", {1, 9, 121, 1'089, 10'000}, solids},
+    {"solids", {1, 10, 100, 1'000, 10'000}, solids},
 };
 
 }  // namespace

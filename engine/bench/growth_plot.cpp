@@ -10,7 +10,7 @@
 namespace palpa::bench {
 namespace {
 
-constexpr double panel_width = 230, panel_height = 190, left = 46, top = 58, between_x = 60, between_y = 66;
+constexpr double panel_width = 230, panel_height = 190, left = 52, top = 58, between_x = 60, between_y = 66;
 constexpr std::size_t columns = 4;
 
 /// 10 ms, 100 kB and so on, without the zeros.
@@ -47,7 +47,7 @@ void draw_linear(study::Svg& svg, const study::Plot& plot) {
     const double x_end = plot.x_low + std::min(plot.x_high - plot.x_low, plot.y_high - power);
     if (x_end <= x_begin) continue;
     svg.line(plot.x(x_begin), plot.y(power + x_begin - plot.x_low), plot.x(x_end), plot.y(power + x_end - plot.x_low),
-             "#eee", 1);
+             "#ccc", 0.6);
   }
 }
 
@@ -79,12 +79,12 @@ std::string growth_svg(std::span<const GrowthCurve> curves, const std::string& d
   study::Svg svg(columns * step_x, top - 20 + rows * step_y,
                  "The time of a frame against the size of what it is about");
   svg.rectangle(0, 0, columns * step_x, top - 20 + rows * step_y, "#fff");
-  double x = left;
-  for (std::size_t where = 0; where < 2; ++where) {
+  for (const std::size_t where : {0, 1}) {
+    const double x = left + 70.0 * static_cast<double>(where);
     svg.marker(x, 18, study::series(where));
     svg.text(x + 10, 22, where == 0 ? "host" : device);
-    x += 70;
   }
+  svg.text(columns * step_x - 10, 22, "grey diagonals: linear", study::Anchor::end, 12, "#777");
   for (std::size_t i = 0; i < names.size(); ++i) {
     Decades sizes;
     for (const GrowthCurve& curve : curves) {
