@@ -76,15 +76,15 @@ std::string growth_svg(std::span<const GrowthCurve> curves, const std::string& d
   }
   const auto rows = static_cast<double>((names.size() + columns - 1) / columns);
   const double step_x = panel_width + between_x, step_y = panel_height + between_y;
-  study::Svg svg(columns * step_x, top - 20 + rows * step_y,
-                 "The time of a frame against the size of what it is about");
-  svg.rectangle(0, 0, columns * step_x, top - 20 + rows * step_y, "#fff");
+  const double width = columns * step_x + 14, height = top - 20 + rows * step_y;
+  study::Svg svg(width, height, "The time of a frame against the size of what it is about");
+  svg.rectangle(0, 0, width, height, "#fff");
   for (const std::size_t where : {0, 1}) {
     const double x = left + 70.0 * static_cast<double>(where);
     svg.marker(x, 18, study::series(where));
     svg.text(x + 10, 22, where == 0 ? "host" : device);
   }
-  svg.text(columns * step_x - 10, 22, "grey diagonals: linear", study::Anchor::end, 12, "#777");
+  svg.text(width - 15, 22, "grey diagonals: linear", study::Anchor::end, 12, "#777");
   for (std::size_t i = 0; i < names.size(); ++i) {
     Decades sizes;
     for (const GrowthCurve& curve : curves) {
