@@ -224,10 +224,10 @@ session::OutputStats open_and_play(SensationObject& o, const setup::PlayOptions&
   const Outputs outputs(setup::outputs_of(options, links));
   const auto playing = setup::prepare_play(options, o.made->fastest_hz(), o.name, links);
   playing->setting.ends = ends;
-  std::uint64_t slots = 0;
-  if (setup::is_offline(options)) slots = setup::offline_points(options, *o.made, playing->setting, o.name).size();
+  std::vector<sensation::Point> points;
+  if (setup::is_offline(options)) points = setup::offline_points(*o.made, playing->setting, o.name);
   const std::vector<session::SourceKind> sources = driver::camera_sources();
-  return setup::play(options, *o.made, o.transport, *playing, slots, sources, links, o.stop);
+  return setup::play(options, *o.made, o.transport, *playing, points, sources, links, o.stop);
 }
 
 py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused, const py::kwargs& kwargs) {
@@ -262,7 +262,7 @@ py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused,
 
 py::list newest(const SensationObject& o, std::size_t most) {
   py::list points;
-  for (const session::SoundedPoint& point : o.transport.newest(most)) {
+  for (const sensation::Point& point : o.transport.newest(most)) {
     py::dict made;
     made["place"] = py::make_tuple(point.place_m.x, point.place_m.y, point.place_m.z);
     made["gain"] = point.gain;

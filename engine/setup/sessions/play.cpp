@@ -74,9 +74,7 @@ void add_play_options(CLI::App& app, PlayOptions& o) {
                  "with --on: how long it sounds on after the newest frame of the hand");
   add_allow_outside(where, o.common);
   const line::Group to(app, "Where it goes");
-  to.text("--link", o.link, "LINK",
-          "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
-  add_board_files(to, o.board_files);
+  add_link(to, o);
   add_safety(to, o.safety, &o.ceiling_known);
   to.text("--osc", o.osc, "PORT|ADDRESS:PORT",
           "takes gain and mute from other programs, as OSC messages by UDP (docs/live-control.md) [no messages]",
@@ -115,8 +113,9 @@ bool is_offline(const PlayOptions& o) {
 }
 
 std::vector<Output> outputs_of(const PlayOptions& o, std::span<const session::LinkKind> links) {
-  return {
-      {"--json", o.common.json}, {"--csv", o.csv}, {"--png", o.png}, {"--link", session::file_of_link(o.link, links)}};
+  std::vector<Output> outputs = outputs_of(static_cast<const LiveOptions&>(o), links);
+  outputs.insert(outputs.end(), {{"--csv", o.csv}, {"--png", o.png}});
+  return outputs;
 }
 
 std::vector<std::string> sensation_names() {
@@ -188,6 +187,7 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
                                      sensation::most_hz));
   }
   session::check_board_files(o.link, links, o.board_files);
+  if (o.steps_given) session::check_takes_steps(o.link, links);
   RigOptions rig = o.rig;
   take_layout_of_link(rig, o.link, links);
   auto playing = std::make_unique<Playing>(load_placed_layout(rig), o);
@@ -221,10 +221,9 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
   return playing;
 }
 
-std::vector<sensation::Point> offline_points(const PlayOptions& o, sensation::Sensation& sensation,
-                                             const session::SensationSetting& setting, const std::string& who) {
-  std::vector<sensation::Point> points =
-      session::points_of_slots(sensation, setting.output.slot_s, o.duration_s, most_offline_slots + 1, o.common.seed);
+std::vector<sensation::Point> offline_points(sensation::Sensation& sensation, const session::SensationSetting& setting,
+                                             const std::string& who) {
+  std::vector<sensation::Point> points = session::points_of_slots(sensation, setting, most_offline_slots + 1);
   if (points.size() > most_offline_slots) {
     throw bad_usage(fmt::format("{} plays for more than {} slots of {:g} ms: give a --duration of at most {:g}s", who,
                                 most_offline_slots, 1e3 * setting.output.slot_s,
@@ -262,9 +261,9 @@ drawing::Pixels sensation_picture(std::span<const sensation::Point> points, cons
 }
 
 session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation, session::Transport& transport,
-                          Playing& playing, std::uint64_t offline_slots, std::span<const session::SourceKind> sources,
-                          std::span<const session::LinkKind> links, std::atomic<bool>& stop,
-                          session::RunObserver& observer) {
+                          Playing& playing, std::span<const sensation::Point> offline,
+                          std::span<const session::SourceKind> sources, std::span<const session::LinkKind> links,
+                          std::atomic<bool>& stop) {
   session::SensationSetting& setting = playing.setting;
   std::optional<session::Osc> osc;
   if (!o.osc.empty()) setting.output.safety.gain_now = &osc.emplace(o.osc).gain();
@@ -276,6 +275,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.sound_speed_m_s = setting.output.drive.medium.sound_speed;
   link_setting.ramp_s = o.safety.ramp_s;
   link_setting.board_files = o.board_files;
+  link_setting.steps = o.steps == Steps::on;
   link_setting.free_field = goes_ahead(o, playing.posed);
   if (o.on) {
     setting.anchor = &anchor;
@@ -283,10 +283,10 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
     follower = follow_hand(*o.on, frames, sources, setting.T_world_array, anchor, stop);
   }
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
-  if (is_offline(o)) return session::record_sensation(sensation, *link, setting, offline_slots, stop);
+  if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);
   warn_of_full_amplitude(o, o.link, *link);
   if (osc) osc->listen();
-  const session::OutputStats stats = session::run_sensation(sensation, transport, *link, setting, stop, observer);
+  const session::OutputStats stats = session::run_sensation(sensation, transport, *link, setting, stop);
   if (follower) follower->end();
   if (osc) osc->end();
   return stats;

@@ -16,13 +16,13 @@
 #include "sensation/played.hpp"
 #include "session/links/link.hpp"
 #include "session/sensation_run.hpp"
-#include "setup/sessions/frames.hpp"
 #include "setup/sessions/hand_follower.hpp"
+#include "setup/sessions/live_run.hpp"
 
 namespace palpa::setup {
 
-/// It uses common, scene, source, rig, drive, safety and the hold of its FrameOptions.
-struct PlayOptions : FrameOptions {
+/// It uses common, scene, source, rig, drive, safety, the hold, and what concerns the link and OSC.
+struct PlayOptions : LiveOptions {
   PlayOptions() {
     source.clear();
     drive.weighting = array::Weighting::uniform;
@@ -35,8 +35,6 @@ struct PlayOptions : FrameOptions {
   bool upright = false;
   std::optional<double> duration_s, dwell_s;
   std::string png, csv;
-  std::string link = "null";
-  std::string board_files, osc;
 };
 void add_play_options(CLI::App& app, PlayOptions& options);
 /// Throws bad_usage for options that are missing or do not go together.
@@ -79,17 +77,17 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& options, double fastest
 /// The most slots in a table, a picture or a record.
 inline constexpr std::uint64_t most_offline_slots = 500'000;
 /// The slots until its stop or its duration, for files. Throws bad_usage if there are more than most_offline_slots.
-std::vector<sensation::Point> offline_points(const PlayOptions& options, sensation::Sensation& sensation,
-                                             const session::SensationSetting& setting, const std::string& who);
+std::vector<sensation::Point> offline_points(sensation::Sensation& sensation, const session::SensationSetting& setting,
+                                             const std::string& who);
 /// time_s,x_m,y_m,z_m,gain: the point at each slot's beginning, in the array's frame.
 std::string sensation_csv(std::span<const sensation::Point> points, const session::SensationSetting& setting);
 drawing::Pixels sensation_picture(std::span<const sensation::Point> points, const session::SensationSetting& setting,
                                   const std::string& title);
 
-/// Plays it: live, or into a record. Throws as opening the link and the source do, and as the run does.
+/// Plays it live, or these points into a record. Throws as opening the link and the source do, and as the run does.
 session::OutputStats play(const PlayOptions& options, sensation::Sensation& sensation, session::Transport& transport,
-                          Playing& playing, std::uint64_t offline_slots, std::span<const session::SourceKind> sources,
-                          std::span<const session::LinkKind> links, std::atomic<bool>& stop,
-                          session::RunObserver& observer = session::no_observer);
+                          Playing& playing, std::span<const sensation::Point> offline,
+                          std::span<const session::SourceKind> sources, std::span<const session::LinkKind> links,
+                          std::atomic<bool>& stop);
 
 }  // namespace palpa::setup
