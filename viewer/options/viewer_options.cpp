@@ -1,6 +1,6 @@
 #include "viewer/options/viewer_options.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -15,6 +15,7 @@
 #include "base/units.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
+#include "setup/sessions/play.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
 
@@ -91,6 +92,12 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
                 "first slot to show, with its focus highlighted and its drive in colours");
   setup::add_drive_options(app, o.drive);
+
+  const line::Group sensation(app, "A sensation, as palpa play");
+  sensation.text("--sensation", o.sensation, "FILE|NAME",
+                 fmt::format("plays a pattern of Adaptics, or {}, with the array and the focus [none]",
+                             fmt::join(setup::sensation_names(), ", ")));
+  setup::add_parameters(sensation, o.parameters);
 
   const line::Group live(app, "Live, as palpa run");
   o.live.source.clear();  // unlike palpa run, the viewer has no source unless it is given one
@@ -170,6 +177,8 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
              "mean difference from --reference above which the exit code is 1 [0.02]");
 
+  line::need(app, {"--param"}, "--sensation");
+  line::exclude(app, "--sensation", {"--scene", "--points", "--depth", "--rig", "--source", "--skin"});
   line::need(app, {"--target"}, "--eye");
   line::need(app, {"--panels", "--screenshot", "--reference"}, "--headless");
   line::need(app, {"--threshold"}, "--reference");
@@ -250,7 +259,7 @@ void refuse_idle_in_picture(const ViewerOptions& o) {
     refuse_headings(o, {"Solids"}, "goes with --scene");
     refuse_given(o, {"--gltf-scene"}, "goes with --scene");
   }
-  if (o.layout.empty() && o.input.rig.empty())
+  if (o.layout.empty() && o.input.rig.empty() && o.sensation.empty())
     refuse_headings(o, {"Drives", "Air and tone"}, "goes with --layout or --rig: it sets how an array is driven");
 }
 
@@ -273,7 +282,7 @@ void check(const ViewerOptions& o) {
   if (const std::string fault = line::misfit(reader.app, o.given); !fault.empty()) throw bad_usage(fault);
   const bool panels = o.headless ? o.panels && !o.interact.empty() : !o.no_panels;
   const bool may_be_empty = panels && !o.is_live() && !has_skin(o);  // then a file is opened in the window
-  if (o.input.scene.empty() && o.layout.empty() && !may_be_empty) {
+  if (o.input.scene.empty() && o.layout.empty() && o.sensation.empty() && !may_be_empty) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
   if (o.is_live()) {
@@ -303,9 +312,10 @@ void check(const ViewerOptions& o) {
                        : asks("--slice")         ? "--slice"
                        : asks("--slice-at")      ? "--slice-at"
                                                  : "--show slice";
-    if (!o.is_live() && (!has_skin(o) || o.input.scene.empty()))
+    const bool focused = !o.sensation.empty() && !layers.shows(Layer::heat);
+    if (!o.is_live() && (!has_skin(o) || o.input.scene.empty()) && !focused)
       throw bad_usage(fmt::format("{} goes with --points or --depth: it needs a touch", what));
-    if (!o.is_live() && o.layout.empty() && o.input.rig.empty())
+    if (!o.is_live() && o.layout.empty() && o.input.rig.empty() && !focused)
       throw bad_usage(fmt::format("{} goes with --layout or --rig: it shows an array's sound", what));
     if (!o.is_live() && layers.shows(Layer::heat) && o.skin.empty())
       throw bad_usage("--show heat goes with --skin: it needs the finger's closed mesh");

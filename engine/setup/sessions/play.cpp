@@ -51,10 +51,14 @@ std::optional<Vec3> place_of(const PlayOptions& o) {
 
 }  // namespace
 
+void add_parameters(const line::Group& group, std::vector<std::string>& parameters) {
+  group.texts("--param", parameters, "NAME=VALUE",
+              "value of a parameter of the pattern; give it again for more of them [the pattern's]");
+}
+
 void add_play_options(CLI::App& app, PlayOptions& o) {
   const line::Group what(app, "What to play");
-  what.texts("--param", o.parameters, "NAME=VALUE",
-             "value of a parameter of the pattern; give it again for more of them [the pattern's]");
+  add_parameters(what, o.parameters);
   what.number("--speed", o.speed, {0, 100}, "NUMBER",
               "multiplies the pattern's own speed; brushes and modulations keep theirs");
   what.quantity("--duration", o.duration_s, Quantity::time, line::positive(1e6),
@@ -170,6 +174,12 @@ double usual_slot(double fastest_hz, double period_s) {
   return std::max(std::floor(wanted_s / period_s * (1 + rounding)), 1.0) * period_s;
 }
 
+double playable(double fastest_hz, const std::string& who) {
+  if (fastest_hz <= sensation::most_hz) return fastest_hz;
+  throw bad_input(who, fmt::format("has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz", fastest_hz,
+                                   sensation::most_hz));
+}
+
 Playing::Playing(PlacedLayout array, const PlayOptions& o)
     : placed(std::move(array)),
       posed(array::transformed(placed.layout, placed.T_world_layout)),
@@ -182,10 +192,7 @@ Playing::Playing(PlacedLayout array, const PlayOptions& o)
 
 std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, const std::string& who,
                                       std::span<const session::LinkKind> links) {
-  if (!(fastest_hz <= sensation::most_hz)) {
-    throw bad_input(who, fmt::format("has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz", fastest_hz,
-                                     sensation::most_hz));
-  }
+  playable(fastest_hz, who);
   session::check_board_files(o.link, links, o.board_files);
   if (o.steps_given) session::check_takes_steps(o.link, links);
   RigOptions rig = o.rig;

@@ -37,6 +37,8 @@ struct PlayOptions : LiveOptions {
   std::string png, csv;
 };
 void add_play_options(CLI::App& app, PlayOptions& options);
+/// The option of a pattern's parameters.
+void add_parameters(const line::Group& group, std::vector<std::string>& parameters);
 /// Throws bad_usage for options that are missing or do not go together.
 void check(const PlayOptions& options);
 /// Whether it only writes files, not in real time.
@@ -60,6 +62,9 @@ inline constexpr double least_slot_s = 50e-6, most_slot_s = 50e-3;
 /// The longest slot of whole periods that gives slots_in_a_turn. At most longest_own_slot_s, at least one period.
 double usual_slot(double fastest_hz, double period_s);
 
+/// The frequency again. Throws bad_input if it is above sensation::most_hz; `who` is the sensation in messages.
+double playable(double fastest_hz, const std::string& who);
+
 /// Where and how it plays: everything but the sensation itself.
 struct Playing {
   PlacedLayout placed;
@@ -69,8 +74,8 @@ struct Playing {
   Playing(const Playing&) = delete;
   Playing& operator=(const Playing&) = delete;
 };
-/// Chooses the slot and whether plans list drives, with warnings where the link is too slow. `who` is the sensation in
-/// messages. Throws bad_input for frequencies above sensation::most_hz, and as the link does.
+/// Chooses the slot and whether plans list drives, with warnings where the link is too slow. Throws as playable() and
+/// as the link does.
 std::unique_ptr<Playing> prepare_play(const PlayOptions& options, double fastest_hz, const std::string& who,
                                       std::span<const session::LinkKind> links);
 
