@@ -129,16 +129,6 @@ std::shared_ptr<SensationObject> make(const py::object& what, const py::kwargs& 
   return o;
 }
 
-/// A pattern from a text, with what a player refuses.
-sensation::Pattern checked_pattern(const std::string& text) {
-  sensation::Pattern pattern = sensation::parse_pattern(text, "the pattern");
-  const double hz = sensation::fastest_hz(pattern, sensation::values_of(pattern, {}));
-  if (!(hz <= sensation::most_hz))
-    throw bad_input("the pattern", fmt::format("has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz",
-                                               hz, sensation::most_hz));
-  return pattern;
-}
-
 // ---- values ---------------------------------------------------------------------------------------------------------
 
 /// Parameters that differ from time to time.
@@ -354,7 +344,9 @@ void add_sensation(py::module_& m) {
       .def(
           "set_pattern",
           [](SensationObject& o, const std::string& text) {
-            o.needed_pattern("set_pattern").set_pattern(unlocked([&] { return checked_pattern(text); }));
+            o.needed_pattern("set_pattern").set_pattern(unlocked([&] {
+              return sensation::parse_pattern(text, "the pattern");
+            }));
           },
           py::arg("text"),
           "Go on with another pattern, at the same time, also while it plays. `text` is what its file has.")
