@@ -1,10 +1,19 @@
 #include "session/transport.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
 
 namespace palpa::session {
 
 void Transport::play(double from_s, double in_s) {
+  for (const double time_s : {from_s, in_s}) {
+    if (!(std::abs(time_s) <= most_start_s))
+      throw bad_usage(fmt::format("a sensation starts at a time of at most {:g} s, not {:g}", most_start_s, time_s));
+  }
   const std::lock_guard lock(mutex_);
   now_ = {true, now_.follows, from_s, in_s, now_.number + 1};
   newest_.clear();

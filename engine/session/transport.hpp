@@ -37,10 +37,14 @@ class Anchor {
   Seen seen_;
 };
 
+/// Eleven days.
+inline constexpr double most_start_s = 1e6;
+
 /// Starts, pauses and moves a run in its time, from any thread.
 class Transport {
  public:
-  /// From now on, or `in_s` later, with silence until then: from the time `from_s` of the sensation.
+  /// From now on, or `in_s` later, with silence until then: from the time `from_s` of the sensation. Throws bad_usage
+  /// for times that are not finite, or are longer than most_start_s.
   void play(double from_s, double in_s = 0);
   /// Silence; the time stands.
   void pause();

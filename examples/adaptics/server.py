@@ -110,8 +110,6 @@ class Player:
             self.sensation.pause()
             return
         offset_s = 1e-3 * finite(data["playstart_offset"], "playstart_offset")
-        if abs(offset_s) > 1e6:
-            raise ValueError("playstart_offset is more than eleven days")
         self.sensation.start(time=max(0.0, -offset_s), delay=max(0.0, offset_s))
 
     def do_update_parameters(self, data):
@@ -256,14 +254,17 @@ def main():
     parser.add_argument("--port", type=int, default=PORT, help="port on 127.0.0.1 [8037, as the Designer has it]")
     parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN",
                         help="a further page that may connect, such as http://example.org; null is any sandboxed page")
-    for name in ("link", "layout", "rig", "board-files", "steps", "ceiling", "ramp", "hold", "dwell", "at", "on", "source", "osc"):
+    for name in ("link", "layout", "rig", "board-files", "steps", "ceiling", "ramp", "hold", "dwell", "at", "on", "source", "scene", "osc"):
         parser.add_argument("--" + name, help="as of palpa play")
     parser.add_argument("--upright", action="store_true", help="as of palpa play")
     arguments = parser.parse_args()
     options = {name: value for name, value in vars(arguments).items()
                if name not in ("port", "allow_origin") and value not in (None, False)}
     player = Player(options)
-    asyncio.run(run(player, arguments))
+    try:
+        asyncio.run(run(player, arguments))
+    except (OSError, OverflowError) as fault:
+        sys.exit(f"{sys.argv[0]}: --port {arguments.port}: {fault}")
     if player.fault:
         sys.exit(f"{sys.argv[0]}: {player.fault}")
 

@@ -253,6 +253,12 @@ def test_the_wire_of_a_board_has_what_the_designer_does(tmp_path):
     assert json.loads((tmp_path / "heard.json").read_text())["boards"][0]["violation_count"] == 0
 
 
+def test_a_port_that_is_taken_is_told_in_a_line(served):
+    done = subprocess.run([sys.executable, ROOT / "examples/adaptics/server.py", "--port", str(served[0])], capture_output=True, text=True,
+                          timeout=120, check=False)
+    assert done.returncode == 1 and f"--port {served[0]}: " in done.stderr and len(done.stderr.splitlines()) == 1
+
+
 def test_a_stop_is_told(served):
     port, _, heard = served
     client = Client(port)

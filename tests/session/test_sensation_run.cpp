@@ -152,6 +152,15 @@ TEST(SensationRun, PausesStartsAgainAndStartsElsewhere) {
   EXPECT_EQ(playing.link.heard.back().second, 0);
 }
 
+TEST(SensationRun, StartsAtNoTimeWithoutEnd) {
+  Transport transport;
+  for (const double time_s : {std::nan(""), HUGE_VAL, -1.1e6, 1e18}) {
+    EXPECT_ERROR(transport.play(time_s), Exit::usage, "starts at a time of at most 1e+06 s");
+    EXPECT_ERROR(transport.play(0, time_s), Exit::usage, "starts at a time");
+  }
+  EXPECT_EQ(transport.now().number, 0U);
+}
+
 TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   Playing playing;
   playing.setting.anchor = &playing.anchor;
