@@ -68,7 +68,7 @@ std::map<std::string, double> values_of(const py::dict& given) {
 std::map<std::string, double> known_values(const py::dict& given, const sensation::Pattern& pattern) {
   std::map<std::string, double> values = values_of(given);
   for (const auto& [name, value] : values)
-    setup::parameters_of(std::vector{fmt::format("{}={}", name, value)}, pattern);
+    setup::check_parameter(name, value, pattern);
   return values;
 }
 
@@ -140,8 +140,8 @@ std::map<std::string, std::vector<double>> courses_of(const py::object& paramete
   for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(parameters)) {
     if (!PyUnicode_Check(key.ptr())) throw bad_usage("parameters: give names as texts");
     const std::string name = bytes_of("parameters", key);
-    if (!pattern.parameter(name)) known_values(py::dict(py::arg(name.c_str()) = 0.0), pattern);
     std::vector<double> numbers = numbers_of(name, value);
+    if (!pattern.parameter(name)) setup::check_parameter(name, 0, pattern);
     if (numbers.size() == 1) numbers.resize(times, numbers[0]);
     if (numbers.size() != times)
       throw bad_usage(fmt::format("parameters: {} has {} values for {} times", name, numbers.size(), times));

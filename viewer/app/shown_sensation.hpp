@@ -15,7 +15,7 @@ namespace palpa::viewer {
 
 class ShownSensation {
  public:
-  /// Of the file or name, with values of "NAME=VALUE", on an array whose sound has this period. Throws as palpa play.
+  /// `name` is a file or one of palpa's own, and the sound of the array has this period. Throws as palpa play.
   ShownSensation(const std::string& name, std::span<const std::string> parameters, double period_s,
                  const Transform& T_world_array);
 

@@ -32,7 +32,7 @@ class ShownTouch {
 
   /// The layout of --layout or of the rig, in the world.
   const array::Layout& layout() const { return *layout_; }
-  /// Of the sensation, if there is one.
+  /// The length of the sensation's slots, if there is a sensation.
   std::optional<double> slot_s() const { return sensation_ ? std::optional(sensation_->slot_s()) : std::nullopt; }
   /// What sounds in the slot of go_to(), and what is felt of all slots. Valid as long as this object lives and no other
   /// slot is shown. It has a plan if there are --skin and an array.

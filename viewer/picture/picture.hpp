@@ -74,8 +74,8 @@ struct FingerMarks {
   std::optional<std::uint32_t> running;
   bool together = false;               ///< all of them sound now
   std::optional<SectionMark> section;  ///< nullopt for a finger that is a single point
-  /// Of a sensation, which has no finger: its words in the legend. Its foci are where the focus was last; they have no
-  /// numbers, and the line through them is open.
+  /// Not empty: the marks belong to a sensation, which has no finger. The legend has these words, and the foci are
+  /// where the focus was last: without numbers, and the line through them is open.
   std::string sensation{};
 };
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -12,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "drawing/path_picture.hpp"
 #include "line/together.hpp"
 #include "session/control/osc.hpp"
@@ -138,31 +138,31 @@ sensation::Pattern load_sensation(const std::string& name_or_file) {
   return sensation::load_pattern(name_or_file);
 }
 
+void check_parameter(const std::string& name, double value, const sensation::Pattern& pattern) {
+  const std::optional<std::uint32_t> index = pattern.parameter(name);
+  if (!index) {
+    std::vector<std::string> known;
+    for (const sensation::Parameter& parameter : pattern.parameters)
+      known.push_back(printable(parameter.name, 40));
+    throw bad_usage(fmt::format("--param: {} has no parameter '{}'; {}", pattern.file, printable(name, 40),
+                                known.empty() ? "it has none" : fmt::format("it has {}", fmt::join(known, ", "))));
+  }
+  const sensation::Parameter& parameter = pattern.parameters[*index];
+  if (const double used = std::clamp(value, parameter.low, parameter.high); used != value) {
+    log::warning(fmt::format("--param: {} is {} to {}, so it is {:g} and not {:g}", printable(name, 40), parameter.low,
+                             parameter.high, used, value));
+  }
+}
+
 std::map<std::string, double> parameters_of(std::span<const std::string> texts, const sensation::Pattern& pattern) {
   std::map<std::string, double> values;
   for (const std::string& text : texts) {
-    const std::size_t equals = text.rfind('=');
-    double value = 0;
-    const std::string_view number =
-        equals == std::string::npos ? "" : without_plus(std::string_view(text).substr(equals + 1));
-    const auto [rest, fault] = std::from_chars(number.data(), number.data() + number.size(), value);
-    if (number.empty() || fault != std::errc{} || rest != number.data() + number.size() || !std::isfinite(value))
-      throw bad_usage(fmt::format("--param: '{}' is not NAME=VALUE, such as rate=80", printable(text, 60)));
+    const std::size_t equals = std::min(text.rfind('='), text.size());
+    const std::optional<double> value = parse_number(std::string_view(text).substr(std::min(equals + 1, text.size())));
+    if (!value) throw bad_usage(fmt::format("--param: '{}' is not NAME=VALUE, such as rate=80", printable(text, 60)));
     const std::string name = text.substr(0, equals);
-    const std::optional<std::uint32_t> index = pattern.parameter(name);
-    if (!index) {
-      std::vector<std::string> known;
-      for (const sensation::Parameter& parameter : pattern.parameters)
-        known.push_back(printable(parameter.name, 40));
-      throw bad_usage(
-          fmt::format("--param: {} has no parameter '{}'; {}", pattern.file, printable(name, 40),
-                      known.empty() ? std::string("it has none") : fmt::format("it has {}", fmt::join(known, ", "))));
-    }
-    const sensation::Parameter& parameter = pattern.parameters[*index];
-    if (const double used = std::clamp(value, parameter.low, parameter.high); used != value)
-      log::warning(fmt::format("--param: {} is {} to {}, so it is {:g} and not {:g}", printable(name, 40),
-                               parameter.low, parameter.high, used, value));
-    values[name] = value;
+    check_parameter(name, *value, pattern);
+    values[name] = *value;
   }
   return values;
 }
@@ -274,7 +274,8 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   session::SensationSetting& setting = playing.setting;
   std::optional<session::Osc> osc;
   if (!o.osc.empty()) setting.output.safety.gain_now = &osc.emplace(o.osc).gain();
-  if (!is_offline(o)) session::go_first();
+  // Before a device starts its threads. Without one, this thread is ahead of what sounds, and may wait.
+  if (o.on == On::finger) session::go_first();
   session::Anchor anchor;
   std::unique_ptr<HandFollower> follower;
   const std::vector<std::string> no_solids;

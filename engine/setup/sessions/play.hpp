@@ -49,8 +49,9 @@ std::vector<Output> outputs_of(const PlayOptions& options, std::span<const sessi
 std::vector<std::string> sensation_names();
 /// The pattern of that name, or in that file. Throws bad_input also for a name that is neither.
 sensation::Pattern load_sensation(const std::string& name_or_file);
-/// Values from "NAME=VALUE". Throws bad_usage for another form, and for a name that the pattern does not know. Warns of
-/// a value beyond its limits.
+/// Throws bad_usage for a name that the pattern does not know. Warns of a value beyond its limits.
+void check_parameter(const std::string& name, double value, const sensation::Pattern& pattern);
+/// Values from "NAME=VALUE", checked. Throws bad_usage for another form, too.
 std::map<std::string, double> parameters_of(std::span<const std::string> texts, const sensation::Pattern& pattern);
 
 /// At least so many slots in one turn of the fastest brush or modulation.
