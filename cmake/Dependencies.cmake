@@ -36,6 +36,12 @@ if(PALPA_LIBLO STREQUAL "AUTO")
 elseif(PALPA_LIBLO)
   pkg_check_modules(LIBLO REQUIRED IMPORTED_TARGET liblo)
 endif()
+# Real-time scheduling through rtkit.
+if(PALPA_DBUS STREQUAL "AUTO")
+  pkg_check_modules(DBUS QUIET IMPORTED_TARGET dbus-1)
+elseif(PALPA_DBUS)
+  pkg_check_modules(DBUS REQUIRED IMPORTED_TARGET dbus-1)
+endif()
 if(PALPA_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)
   # The sound in the headphones of a study's participants.
@@ -52,7 +58,7 @@ endif()
 # What `palpa --version` says of them.
 find_package(CLI11 REQUIRED)
 set(PALPA_FEATURES "")
-foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "liblo:${LIBLO_FOUND}" "SDL2:${SDL2_FOUND}" "V-HACD:${PALPA_VHACD_DIR}")
+foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "liblo:${LIBLO_FOUND}" "D-Bus:${DBUS_FOUND}" "SDL2:${SDL2_FOUND}" "V-HACD:${PALPA_VHACD_DIR}")
   string(REGEX MATCH "^([^:]+):(.*)$" match ${feature})
   if(CMAKE_MATCH_2)
     string(APPEND PALPA_FEATURES "+${CMAKE_MATCH_1} ")
@@ -62,7 +68,7 @@ foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsen
 endforeach()
 string(STRIP "${PALPA_FEATURES}" PALPA_FEATURES)
 set(PALPA_LIBRARIES "")
-foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "draco ${draco_VERSION}" "fmt ${fmt_VERSION}" "GLFW ${glfw3_VERSION}"
+foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "D-Bus ${DBUS_VERSION}" "draco ${draco_VERSION}" "fmt ${fmt_VERSION}" "GLFW ${glfw3_VERSION}"
                          "liblo ${LIBLO_VERSION}" "libmd ${LIBMD_VERSION}" "libpng ${PNG_VERSION_STRING}" "libusb ${LIBUSB_VERSION}"
                          "lz4 ${LZ4_VERSION}" "meshoptimizer ${meshoptimizer_VERSION}" "nlohmann-json ${nlohmann_json_VERSION}"
                          "OpenBLAS ${OPENBLAS_VERSION}" "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "tinygltf ${TINYGLTF_VERSION}" "toml++ ${tomlplusplus_VERSION}"

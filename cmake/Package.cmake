@@ -83,6 +83,9 @@ set(dev libvulkan-dev libvulkan-volk-dev libglm-dev libfmt-dev libpng-dev zlib1g
 if(LIBLO_FOUND)
   list(APPEND dev liblo-dev)
 endif()
+if(DBUS_FOUND)
+  list(APPEND dev libdbus-1-dev)
+endif()
 list(JOIN dev ", " dev)
 if(TARGET palpa_python)
   # The module is for one minor version of Python only. The models and the process that holds a board are in palpa.

@@ -131,7 +131,7 @@ Parameters
 played : path
     A JSON file of foci that `export` or a touch of a study wrote.
 drives : path
-    File for the drive of every slot (docs/files.md).
+    File for the drive of every slot (docs/run.md).
 
 Returns
 -------

@@ -60,6 +60,7 @@ class Autd3Board final : public Board {
         loading_(count_, session::most_cycle),
         newest_(count_, session::most_cycle),
         drive_(count_) {
+    if (spec.nulls) notes_.warning(jumps_with_nulls);
     remote_.connect(monotonic_s());
     double until_s = monotonic_s() + open_patience_s;
     for (bool told = false; !ready();) {
@@ -473,8 +474,7 @@ class Autd3Board final : public Board {
   Sent sent_ = Sent::nothing;
   bool transition_ = false;  ///< the sent message makes the other segment sound
   bool silent_ = false;
-  bool all_silent_ = false;                            ///< also what they could switch to
-  bool wipes_ = false;                                 ///< that is requested
+  bool all_silent_ = false, wipes_ = false;            ///< also what they could switch to; that is requested
   std::uint8_t segment_ = 0, modulation_segment_ = 0;  ///< the segments that are heard
   double modulated_hz_ = 0;
   array::Modulation modulation_ = array::Modulation::pressure_sine;

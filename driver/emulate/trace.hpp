@@ -1,4 +1,4 @@
-// The data that a board was sent, as a file of JSON lines (docs/files.md), one per transfer. The line of a transfer is
+// The data that a board was sent, as a file of JSON lines (docs/boards.md), one per transfer. The line of a transfer is
 // in the file before the next transfer begins.
 #pragma once
 

@@ -12,9 +12,11 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/system/now.hpp"
+#include "base/system/real_time.hpp"
 #include "driver/guard/guard.hpp"
 #include "driver/guard/process.hpp"
 #include "session/links/hand_over.hpp"
+#include "session/links/real_time_service.hpp"
 #include "session/links/slots.hpp"
 
 namespace palpa::driver {
@@ -34,6 +36,10 @@ class BoardLink final : public session::Link {
         free_field_(free_field),
         guard_(std::in_place, program_, brief_, plays_plans ? session::most_cycle : 0) {
     wait_until_open();
+    // The guard has no library for this. With it, it goes before the thread that feeds it.
+    const RealTimeService service = session::real_time_service();
+    if (service && scheduling_of(guard_->id()) != Scheduling::real_time)
+      service(guard_->id(), guard_->id(), guard_priority);
   }
 
   void plan(const session::PlayedPlan& plan) override {
@@ -64,6 +70,7 @@ class BoardLink final : public session::Link {
 
   void finish() override {
     if (!guard_) return;
+    const Scheduling scheduling = scheduling_of(guard_->id());
     guard_->hang_up();
     guard_->wake();
     const double until_s = monotonic_s() + exit_s;
@@ -71,6 +78,7 @@ class BoardLink final : public session::Link {
     }
     const bool ended = guard_->wait_for_exit(std::max(until_s - monotonic_s(), 0.0)).ended;
     carried_ = guard_->memory().tally().read();
+    carried_.guard_scheduling = scheduling;
     if (ended && last_word_ == MessageKind::opened) end_without_guard();
     guard_.reset();
     if (!ended) throw failure(brief_.kind + ": after 1 s, palpa-guard is still trying to silence the board" + advice);
@@ -79,7 +87,10 @@ class BoardLink final : public session::Link {
   }
 
   std::optional<session::Carried> carried() const override {
-    return guard_ ? guard_->memory().tally().read() : carried_;
+    if (!guard_) return carried_;
+    session::Carried counts = guard_->memory().tally().read();
+    counts.guard_scheduling = scheduling_of(guard_->id());
+    return counts;
   }
 
  private:

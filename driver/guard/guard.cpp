@@ -21,6 +21,7 @@
 #include "base/error.hpp"
 #include "base/system/descriptor.hpp"
 #include "base/system/now.hpp"
+#include "base/system/real_time.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "session/links/hand_over.hpp"
@@ -65,13 +66,6 @@ void keep_in_memory() {
   void* volatile some = std::malloc(spare);
   std::free(some);
   static_cast<void>(mlockall(MCL_CURRENT));
-}
-
-/// Runs before everything else on the machine, if that is allowed (root, RLIMIT_NICE). The guard takes little time, and
-/// silence must not wait.
-void go_first() {
-  constexpr int niceness = -10;
-  if (getpriority(PRIO_PROCESS, 0) > niceness) static_cast<void>(setpriority(PRIO_PROCESS, 0, niceness));
 }
 
 class Notes final : public BoardNotes {
@@ -230,7 +224,9 @@ int hold_board(std::span<const BoardKind> kinds) {
 
 void guard_main(std::span<const BoardKind> kinds) {
   set_signals();
-  go_first();
+  // Silence must not wait, and the guard takes little time. If the system does not allow it to go first, its loop asks
+  // the service.
+  const RealTime turns(guard_priority, [](pid_t, pid_t, int) {});
   close_range(guard_memory + 1, ~0U, 0);  // descriptors that palpa's parent left open
   int status = 1;
   try {

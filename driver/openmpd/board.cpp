@@ -185,9 +185,7 @@ void OpenMpdBoard::choose_steps(const BoardSpec& spec, double frame_s) {
   const auto frames_of = [&](double seconds) { return static_cast<std::size_t>(seconds / frame_s + 1e-9); };
   if (spec.nulls) {
     if (!spec.steps) return;
-    note(notes_, &BoardNotes::warning,
-         "with nulls, phases jump from drive to drive, because what lies between two drives is not silent there; "
-         "--steps off avoids this warning");
+    note(notes_, &BoardNotes::warning, "{}; --steps off avoids this warning", jumps_with_nulls);
     return;
   }
   if (!spec.steps) {

@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/files/json_writer.hpp"
 #include "base/files/output_file.hpp"
+#include "base/system/real_time.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/board_eeprom.hpp"
@@ -16,6 +17,7 @@
 #include "line/together.hpp"
 #include "line/values.hpp"
 #include "session/control/osc_message.hpp"
+#include "session/links/real_time_service.hpp"
 #include "setup/options/study_options.hpp"
 
 namespace palpa::cli {
@@ -86,6 +88,9 @@ DoctorSection look_at_features() {
   const std::pair<const char*, std::string> optional[]{
       {"V-HACD", geometry::how_to_get_vhacd()},
       {"liblo", fmt::format("only messages to a live run (--osc) need it: {}", session::how_to_get_liblo)},
+      {"D-Bus",
+       "only real-time scheduling through rtkit needs it: install libdbus-1-dev (./dev deps build) and build palpa "
+       "again"},
       {"SDL2", fmt::format("only the noise in the headphones of a study needs it: {}", setup::how_to_get_sdl2)}};
   DoctorSection section{"features", "Optional libraries of this build", {}, {}};
   for (const auto& [name, advice] : optional) {
@@ -93,6 +98,18 @@ DoctorSection look_at_features() {
     section.items.push_back({name, has, has ? "" : advice, {{"name", name}, {"present", has}}});
   }
   return section;
+}
+
+/// Tries it in this thread.
+DoctorSection look_at_scheduling() {
+  const RealTime turns(output_priority, session::real_time_service());
+  const Scheduling scheduling = scheduling_of(0);
+  DoctorItem item;
+  item.title = fmt::format("drives leave by {} scheduling", to_text(scheduling));
+  item.ok = scheduling == Scheduling::real_time;
+  if (!item.ok) item.advice = fmt::format("for fewer late ones: {}", session::how_to_get_real_time);
+  item.facts = {{"scheduling", std::string(to_text(scheduling))}, {"kept_in_memory", keep_in_memory()}};
+  return {"scheduling", "Scheduling", {std::move(item)}, {}};
 }
 
 bool usable_gpu(const DoctorSection& gpus) {
@@ -177,7 +194,7 @@ void run_doctor(const DoctorOptions& options, const Extensions& extensions) {
     written +=
         fmt::format("{}: for ftdi_eeprom; its first lines say how to use it (docs/boards.md)\n", options.write_eeprom);
   }
-  std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation(), look_at_features()};
+  std::vector<DoctorSection> sections{look_at_gpus(), look_at_validation(), look_at_features(), look_at_scheduling()};
   for (const DoctorProbe& probe : extensions.doctor)
     sections.push_back(probe());
   if (!options.rig.rig.empty()) sections.push_back(look_at_rig(options.rig));

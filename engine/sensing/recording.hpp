@@ -1,4 +1,4 @@
-// Recordings: a folder of 16-bit PNGs with cameras and times. The format is in docs/files.md.
+// Recordings: a folder of 16-bit PNGs with cameras and times. The format is in docs/recording.md.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The physical set-up as a TOML file: cameras, array and screen with their poses in the world. Schema in docs/files.md.
+// The physical set-up as a TOML file: cameras, array and screen with their poses in the world (docs/cameras.md).
 #pragma once
 
 #include <filesystem>

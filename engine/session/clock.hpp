@@ -18,6 +18,8 @@ namespace palpa::session {
 class Clock {
  public:
   virtual ~Clock() = default;
+  /// False: a test's time. Nobody needs to hurry.
+  virtual bool is_real() const { return true; }
   virtual double now() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }

@@ -35,10 +35,14 @@ TEST(Doctor, ListsGpusLayerBoardsAndCameras) {
   EXPECT_EQ(result.exit_code, usable ? 0 : 3);
   EXPECT_TRUE(report["validation"][0]["present"].is_boolean());
   const json& features = report["features"];
-  ASSERT_EQ(features.size(), 3u);
+  ASSERT_EQ(features.size(), 4u);
   EXPECT_EQ(features[0]["name"], "V-HACD");
   EXPECT_EQ(features[1]["name"], "liblo");
-  EXPECT_EQ(features[2]["name"], "SDL2");
+  EXPECT_EQ(features[2]["name"], "D-Bus");
+  EXPECT_EQ(features[3]["name"], "SDL2");
+  const json& scheduling = report["scheduling"][0];
+  EXPECT_TRUE(scheduling["kept_in_memory"].is_boolean());
+  EXPECT_EQ(scheduling.contains("advice"), scheduling["scheduling"] != "real-time");
   const std::string about = palpa({"--version"}).out;
   EXPECT_NE(about.find(", tinygltf 2."), std::string::npos) << about;
   for (const json& feature : features) {
@@ -63,6 +67,18 @@ TEST(Doctor, SpeaksToPeople) {
   if (result.exit_code == 0) {
     EXPECT_EQ(result.err, "");
   }
+}
+
+TEST(Doctor, SaysTheSchedulingThatARunGets) {
+  const std::string scheduling = json::parse(palpa({"doctor", "--json", "-"}).out)["scheduling"][0]["scheduling"];
+  const std::vector<std::string> run{"run",      "--scene",   source_file("assets/cube.glb").string(),
+                                     "--source", "synthetic", "--link",
+                                     "null",     "--backend", "cpu",
+                                     "--frames", "3"};
+  EXPECT_CONTAINS(palpa(run).out, "drives left by " + scheduling + " scheduling");
+  std::vector<std::string> as_json = run;
+  as_json.insert(as_json.end(), {"--json", "-"});
+  EXPECT_EQ(json::parse(palpa(as_json).out)["scheduling"], json({{"output", scheduling}}));
 }
 
 TEST(Doctor, WithoutAGpuItAdvisesAndReturns3) {

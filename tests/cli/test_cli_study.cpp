@@ -180,6 +180,16 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   write_plan("palpa:semi-sphere.glb", "layout = \"openmpd\"\n[level]\nceiling = 0.025\nlimit_db = 120\n");
   const double quieter_db = predicted["level_db"].get<double>() - report_of(line)["level_db"].get<double>();
   EXPECT_NEAR(quieter_db, 20 * std::log10(2.0), 0.5) << "the first two steps of the board";
+  // What the air makes of it follows the square of amplitudes. The whole of it is 40 dB above a tenth.
+  const auto heard_at = [&](const std::string& ceiling) {
+    write_plan("palpa:semi-sphere.glb", "layout = \"paper\"\n[level]\nceiling = " + ceiling + "\nlimit_db = 150\n");
+    return report_of(line)["audible_dba"];
+  };
+  const json loud = heard_at("1"), quiet = heard_at("0.1");
+  EXPECT_GT(loud[0], 30) << "the paper's array, at a participant's ears";
+  for (const int end : {0, 1})
+    EXPECT_NEAR(loud[end].get<double>() - quiet[end].get<double>(), 40, 1.5) << end;
+  EXPECT_CONTAINS(palpa_here(line).out, "at the nearer ear: ");
   write_plan("palpa:semi-sphere.glb", at_120_db + "measured_db = 98\nmeasured_ceiling = 0.025\n");
   const json measured = report_of(line);
   EXPECT_NEAR(measured["level_db"].get<double>(), 98 + quieter_db, 1e-9);

@@ -15,6 +15,8 @@ firmware     ./dev test firmware
 $(tests/house/matrix.sh list | awk '{ printf "%-12s ./dev test matrix %s\n", $1, $1 }')
 fuzz         ./dev test fuzz 60 1
 kill         ./dev test kill 60 1
+soak         ./dev soak 10
+soak-faults  ./dev soak 10 1
 package      ./dev test package
 cluster      ./dev test cluster
 bare-12      ./dev test bare 12

@@ -56,7 +56,7 @@ shell() {
 # Which library may include which: tests/house/arrows.awk.
 arrows() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' | xargs -r awk -f tests/house/arrows.awk; }
 
-# The walks of docs/notes/walks.md match the sources.
+# The walks of docs/notes/forms.md match the sources.
 walks() { python3 tests/house/walks.py; }
 
 # Plain English.

@@ -199,7 +199,7 @@ def read_gltf(path):
 
 
 def read_drives(path):
-    """The header, the slots' numbers, and of each slot (amplitude, phase, ...), from docs/files.md."""
+    """The header, the slots' numbers, and of each slot (amplitude, phase, ...), from docs/run.md."""
     with open(path, "rb") as file:
         data = file.read()
     transducers = struct.unpack_from("<I", data, 12)[0]

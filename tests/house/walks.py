@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""walks.py: follows the chains of calls in docs/notes/walks.md through the sources.
+"""walks.py: follows the chains of calls in docs/notes/forms.md through the sources.
 
 A walk is a heading `### TITLE: N files` and the indented lines below it. Each line names a function, the source that defines it,
 and, after two spaces, what it does; a line without a source has the source of the line above. A function stands deeper than its
@@ -11,7 +11,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs/notes/walks.md"
+PAGE = ROOT / "docs/notes/forms.md"
 
 
 def code_of(name):
@@ -57,7 +57,7 @@ def main():
     walks = re.findall(r"^### (.+): (\d+) files\n\n((?:    .+\n)+)", PAGE.read_text() + "\n", re.M)
     faults = [fault for title, promised, rows in walks for fault in faults_of(title, int(promised), rows.splitlines())]
     for fault in faults:
-        print(f"   docs/notes/walks.md: {fault}")
+        print(f"   docs/notes/forms.md: {fault}")
     print(f"   {len(walks)} walks")
     return 1 if faults or not walks else 0
 

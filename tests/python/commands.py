@@ -67,7 +67,7 @@ def in_threads(*works):
 
 
 def drives_in(file, transducers=256, so_far=False):
-    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/files.md. `so_far`: while it is being written."""
+    """The amplitudes that --link record:FILE wrote, a row per slot, by the description in docs/run.md. `so_far`: while it is being written."""
     slot = np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))])
     data = file.read_bytes() if file.exists() or not so_far else b""
     if so_far:

@@ -360,9 +360,9 @@ def test_the_plan_of_the_page(tmp_path):
     """It has as many cases as the page says, and those of the example."""
     for name in ("finger.ply", "cube.glb", "semi-sphere.glb"):
         shutil.copy(ASSETS / name, tmp_path)
-    (tmp_path / "plan.toml").write_text(blocks("docs/files.md", "## Plans of sweeps")[0][0])
+    (tmp_path / "plan.toml").write_text(blocks("docs/sweeps.md", "## Plans of sweeps")[0][0])
     page, example = Plan(tmp_path / "plan.toml"), Plan(ROOT / "docs/examples/sweep/plan.toml")
-    assert "has 2 x 3 x 4 = 24 cases" in re.sub(r"\s+", " ", (ROOT / "docs/files.md").read_text(encoding="utf-8"))
+    assert "has 2 x 3 x 4 = 24 cases" in re.sub(r"\s+", " ", (ROOT / "docs/sweeps.md").read_text(encoding="utf-8"))
     assert len(page.cases()) == 24 and page.results[0] in example.results
     assert [page.id(settings, "cpu")[:0] + str(settings["method"]) for settings in page.cases()] == [str(settings["method"]) for settings in example.cases()]
 

@@ -15,6 +15,7 @@ namespace palpa::test {
 /// Its threads are the one that made it, and those that it started. They must wait only by this clock.
 class SteppedClock : public session::Clock {
  public:
+  bool is_real() const override { return false; }
   double now() const override;
   void sleep_until(double time_s) const override;
   bool wait(std::condition_variable& changed, std::unique_lock<std::mutex>& lock, double most_s,

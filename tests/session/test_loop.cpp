@@ -315,12 +315,28 @@ TEST(SourceClock, FollowsAClockThatRunsSlow) {
   EXPECT_LT(age, 1e-3);
 }
 
+/// The first samples of an hour count as much as the last ones, for any unit.
+TEST(Stats, QuantilesAreThoseOfTheWholeRun) {
+  for (const double unit : {1e-6, 1.0, 1e4}) {
+    Samples samples;
+    constexpr int count = 300'000;
+    for (int i = 0; i < count; ++i)
+      samples.add(i < count / 2 ? unit : unit * (1 + 2.0 * i / count));
+    EXPECT_EQ(samples.count(), static_cast<std::uint64_t>(count));
+    EXPECT_EQ(samples.quantile(0), unit);
+    EXPECT_NEAR(samples.quantile(0.4) / unit, 1, 0.003);
+    for (const double p : {0.6, 0.99, 0.999})
+      EXPECT_NEAR(samples.quantile(p) / unit / (1 + 2 * p), 1, 0.003) << p;
+  }
+}
+
 TEST(Stats, QuantilesAndJson) {
   Samples samples;
   for (int i = 100; i >= 0; --i)
     samples.add(i);
-  EXPECT_EQ(samples.quantile(0.5), 50.0);
-  EXPECT_EQ(samples.quantile(0.99), 99.0);
+  EXPECT_NEAR(samples.quantile(0.5), 50.0, 0.003 * 50);
+  EXPECT_NEAR(samples.quantile(0.99), 99.0, 0.003 * 99);
+  EXPECT_EQ(samples.quantile(0.0), 0.0);
   EXPECT_EQ(samples.quantile(1.0), 100.0);
   EXPECT_EQ(Samples().quantile(0.5), 0.0);
   LoopStats stats;

@@ -4,8 +4,8 @@
     python3 tests/tools/quiet.py build/release/bin/palpa
 
 Starts `palpa emulate` with a trace and `palpa run`, plays the trace's frames as a board does, lets transducers with a Q of 20 and 40
-follow them, and prints the A-weighted level of beta / (2 pi c^2 r) dP/dt at 0.72 m, the felt amplitude at the foci, the longest queue and
-the processor time. Needs numpy. Run it on an idle machine: drives that are lost beside load change the levels by a decibel or two.
+follow them, and prints the A-weighted level of beta / (2 pi c^2 r) dP/dt at 0.72 m, the longest queue and the processor time. Then it
+computes what steps change in the vibration that skin feels, line by line, without palpa. Needs numpy. Run it on an idle machine: drives that are lost beside load change the levels by a decibel or two.
 """
 import json
 import os
@@ -19,6 +19,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parents[2]
 PERIOD, C, RHO, BETA, D2, LEVEL, FAR = 25e-6, 343.2, 1.204, 1.2, 0.291, 4.386, 0.72
+LINES = [k / 0.015 for k in (1, 2, 3, 4, 6)]  # of the vibration at a focus, whose turn comes every 15 ms
 
 
 def places():
@@ -109,6 +110,27 @@ def run(palpa, words, frames=120):
             "palpa": json.loads(done.stdout).get("audible_dba"), "lost": json.loads(done.stdout)["hand_over"]["drives"]["lost"]}
 
 
+def vibration(steps, q, rings=12):
+    """The lines of |p|^2 on a ring of 35 mm, 150 mm above the board: ten foci, stride 3, slots of 60 periods, changes in `steps` of 4."""
+    def at(count):
+        angle = 2 * np.pi * np.arange(count) / count
+        place = np.stack([0.0175 * np.cos(angle), 0.0175 * np.sin(angle), np.full(count, 0.15)], 1)
+        return np.linalg.norm(place[:, None] - np.column_stack([places(), np.zeros(256)])[None], axis=2)
+    wave = 2 * np.pi * 40e3 / C
+    foci = -wave * at(10)[[3 * k % 10 for k in range(10)]]
+    rest, a, shown = np.exp(-np.pi / q), np.zeros(256, complex), []
+    for slot in range(10 * rings):
+        before, change = foci[(slot - 1) % 10], np.angle(np.exp(1j * (foci[slot % 10] - foci[(slot - 1) % 10])))
+        for period in range(60):
+            drive = np.exp(1j * (before + change * min(1, (period // 4 + 1) / steps)))
+            a = drive + (a - drive) * rest
+            shown.append(a)
+    far = at(60)
+    power = abs(np.array(shown[1200:]) @ (np.exp(1j * wave * far) / far).T) ** 2
+    time = np.arange(len(power)) * PERIOD
+    return np.array([np.sqrt(np.mean(abs(np.mean(power * np.exp(-2j * np.pi * hz * time)[:, None], 0)) ** 2)) for hz in LINES])
+
+
 def main():
     palpa = sys.argv[1]
     cases = {
@@ -123,6 +145,10 @@ def main():
         found = run(palpa, words)
         low, high = found["levels"]
         print(f"{name:28} {low:9.1f} {high:6.1f} {found['queue']:6} {found['lost']:6} {found['processor']:9.2f}     {found['palpa']}", flush=True)
+    print(f"\nvibration, steps against jumps, dB at {', '.join(f'{hz:.0f}' for hz in LINES)} Hz:")
+    for q in (20, 40):
+        change = 20 * np.log10(vibration(14, q) / vibration(1, q))
+        print(f"Q {q}: " + "  ".join(f"{one:+.1f}" for one in change))
 
 
 if __name__ == "__main__":

@@ -83,7 +83,7 @@ void add_study_analyse(Program& program) {
        "  palpa study analyse counts.csv --json -",
        "",
        "--seed chooses the resamples of the bootstrap. Logs and rows that cannot be read are left out, with a warning "
-       "each. docs/study.md explains the files and every measure.",
+       "each. docs/study-analysis.md explains the files and every measure.",
        "DIR...|COUNTS.csv"},
       add_options_of_analyse, run_analyse, setup::Computes::on_processor);
 }

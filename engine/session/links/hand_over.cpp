@@ -23,9 +23,8 @@ std::string_view remedy_of(const HandOver& counts) {
   const std::uint64_t in_guard = less(behind.guard->drives, behind.submitted.drives + behind.starting);
   const std::uint64_t on_wire = less(behind.submitted.drives, behind.completed.drives);
   if (less(counts.loop.drives, behind.guard->drives) >= std::max(in_guard, on_wire)) {
-    return "palpa-guard got no processor in time; end other programs, let it have priority (ulimit -e 30), switch "
-           "power "
-           "saving off (cpupower frequency-set -g performance), or give a longer --dwell";
+    return "palpa-guard got no processor in time; end other programs, give it real-time scheduling (palpa doctor says "
+           "how), switch power saving off (cpupower frequency-set -g performance), or give a longer --dwell";
   }
   if (in_guard >= on_wire) return "the board took no more; give a longer --dwell, or --method single-focus";
   return "the device did not take what was sent; put it on a USB controller of its own, without a hub, or give a "

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "array/transducer_drive.hpp"
+#include "base/system/real_time.hpp"
 
 namespace palpa::session {
 
@@ -38,6 +39,8 @@ struct Carried {
   std::uint64_t starting = 0;
   /// The device takes nothing at the moment, for example because it was unplugged. It plays on what it has.
   bool out_of_reach = false;
+  /// How the system schedules the process that holds the board.
+  Scheduling guard_scheduling = Scheduling::unknown;
 };
 
 /// All hand-overs of a run.

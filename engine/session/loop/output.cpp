@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "base/system/real_time.hpp"
 #include "session/links/hand_over.hpp"
+#include "session/links/real_time_service.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::session {
@@ -72,6 +75,11 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
           OutputStats& stats, RunObserver& observer) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
+  std::optional<RealTime> turns;
+  if (clock.is_real()) {
+    keep_in_memory();
+    turns.emplace(output_priority, real_time_service());
+  }
   const std::size_t transducers = setting.layout.transducers.size();
   SafeLink safe(
       link, transducers, setting.safety, setting.slot_s,
@@ -131,6 +139,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
     }
   }
   safe.finish();
+  if (turns) stats.scheduling = scheduling_of(0);
   stats.hand_over = safe.handed_over();
   watch.look(stats.hand_over);
 }

@@ -39,8 +39,8 @@ struct Ending {
 /// one. Silence comes at once if something failed, or if the link or anything else throws (the error is rethrown
 /// afterwards). The slot counter starts at 0 and never restarts. Slots that the thread missed by a whole slot are
 /// skipped. However long a slot is, its sound ends when its plan expires or the end is requested, and a ramp does not
-/// exceed its time. Computes the drives that plans do not list; otherwise, it waits only for the clock and the link.
-/// Of `observer`, calls sent().
+/// exceed its time. By the real clock, the thread asks for real-time scheduling. Computes the drives that plans do not
+/// list; otherwise, it waits only for the clock and the link. Of `observer`, calls sent().
 void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const Clock& clock, const Ending& ending,
           OutputStats& stats, RunObserver& observer = no_observer);
 

@@ -1,4 +1,4 @@
-// Moves fingers to where they will be when their foci sound. The rules are in docs/touch.md.
+// Moves fingers to where they will be when their foci sound. The rules are in docs/touch-frames.md.
 #pragma once
 
 #include <array>

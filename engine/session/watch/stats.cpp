@@ -46,14 +46,34 @@ void add_hand_over(JsonWriter& json, const HandOver& counts) {
   json.end_object();
 }
 
+/// How the system schedules what must not be late.
+void add_scheduling(JsonWriter& json, const OutputStats& output) {
+  json.key("scheduling").begin_object().member("output", to_text(output.scheduling));
+  if (output.hand_over.behind && output.hand_over.behind->guard)
+    json.member("guard", to_text(output.hand_over.behind->guard_scheduling));
+  json.end_object();
+}
+
 }  // namespace
 
+void Samples::add(double value) {
+  least_ = count_ == 0 ? value : std::min(least_, value);
+  most_ = count_ == 0 ? value : std::max(most_, value);
+  ++count_;
+  const double at = value > 0 ? per_doubling * (std::log2(value) - lowest) : 0;
+  ++counts_[static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(buckets - 1)))];
+}
+
 double Samples::quantile(double p) const {
-  if (values_.empty()) return 0;
-  std::vector<float> sorted = values_;
-  const auto at = static_cast<std::ptrdiff_t>(std::lround(p * static_cast<double>(sorted.size() - 1)));
-  std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
-  return sorted[static_cast<std::size_t>(at)];
+  if (count_ == 0) return 0;
+  const auto wanted = static_cast<std::uint64_t>(std::llround(p * static_cast<double>(count_ - 1)));
+  if (wanted == 0) return least_;
+  if (wanted == count_ - 1) return most_;
+  std::size_t bucket = 0;
+  for (std::uint64_t below = counts_[0]; below <= wanted; below += counts_[bucket])
+    ++bucket;
+  const double middle = bucket == 0 ? least_ : std::exp2((static_cast<double>(bucket) + 0.5) / per_doubling + lowest);
+  return std::clamp(middle, least_, most_);
 }
 
 void LoopStats::add_passes(std::span<const gpu::PassTime> times) {
@@ -109,6 +129,7 @@ std::string to_json(const LoopStats& stats) {
   json.key("drives").begin_object();
   json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
   json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  if (stats.output.scheduling != Scheduling::unknown) add_scheduling(json, stats.output);
   add_hand_over(json, stats.output.hand_over);
   if (stats.events) {
     json.key("events").begin_object();

@@ -1,5 +1,5 @@
 // Reads a file of foci back, so that it can be played again: what `palpa export --foci FILE.json` or a touch of a study
-// wrote. The format is in docs/files.md.
+// wrote. The format is in docs/run.md.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Reads the output of `palpa touch --json` back as a schedule. The format is in docs/files.md.
+// Reads the output of `palpa touch --json` back as a schedule. The format is in docs/touch.md.
 #pragma once
 
 #include <filesystem>

@@ -14,6 +14,7 @@
 #include "base/text.hpp"
 #include "sensing/rig.hpp"
 #include "session/links/hand_over.hpp"
+#include "session/links/real_time_service.hpp"
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/sessions/load.hpp"
@@ -260,6 +261,22 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   return stats;
 }
 
+namespace {
+
+/// How the threads were scheduled that must not be late; empty if they did not ask.
+std::string scheduling_summary(const session::OutputStats& output) {
+  if (output.scheduling == Scheduling::unknown) return {};
+  const bool guarded = output.hand_over.behind && output.hand_over.behind->guard;
+  const Scheduling guard = guarded ? output.hand_over.behind->guard_scheduling : output.scheduling;
+  if (output.scheduling == Scheduling::real_time && guard == Scheduling::real_time)
+    return guarded ? "drives left by real-time scheduling, and so did the guard's\n"
+                   : "drives left by real-time scheduling\n";
+  return fmt::format("drives left by {} scheduling{}; for fewer late ones, {}\n", to_text(output.scheduling),
+                     guarded ? fmt::format(" (the guard: {})", to_text(guard)) : "", session::how_to_get_real_time);
+}
+
+}  // namespace
+
 std::string summary(const session::LoopStats& stats, const std::string& recording, double ceiling) {
   std::string text;
   if (!recording.empty() && stats.unrecorded == 0) {
@@ -292,6 +309,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
     text += fmt::format("to the ear, {:g} m beside the beam, the loudest touch had {} (predicted, 10 dB either way)\n",
                         acoustics::EarOptions().distance_m, acoustics::to_text(*stats.ear));
   }
+  text += scheduling_summary(stats.output);
   if (ceiling == 0) text += "the ceiling is 0: nothing sounds\n";
   return text + session::to_text(stats.output.hand_over) + "\n" + shed + ahead +
          session::to_text(stats.dropped, stats.planned) + pressures_summary(stats.fingers, stats.solids);

@@ -34,7 +34,7 @@ struct BackgroundResult {
   std::vector<BackgroundOfCamera> cameras;
   std::uint64_t frames = 0;  ///< number of frames taken
 };
-/// The output of `palpa calibrate --background --json` (docs/files.md).
+/// The output of `palpa calibrate --background --json` (docs/calibration.md).
 std::string to_json(const BackgroundResult& result);
 
 /// Learns the backgrounds and writes the images, then the rig. `sources` are added to palpa's own. Warns of a camera

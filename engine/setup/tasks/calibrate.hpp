@@ -69,7 +69,7 @@ struct CalibrateResult {
 };
 /// Adds a pose, by rows.
 void add_pose(JsonWriter& json, const char* name, const Transform& T);
-/// The output of `palpa calibrate --json` (docs/files.md).
+/// The output of `palpa calibrate --json` (docs/calibration.md).
 std::string to_json(const CalibrateResult& result);
 
 /// `sources` are added to palpa's own. Warns if the target or a camera has another scale, and if points lie far from

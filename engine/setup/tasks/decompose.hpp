@@ -34,7 +34,7 @@ struct Decomposed {
   geometry::PartsReport report;
   double seconds = 0;  ///< time for the decomposition
 };
-/// The output of `palpa decompose --json` (docs/files.md); `file` is the file with the parts.
+/// The output of `palpa decompose --json` (docs/parts.md); `file` is the file with the parts.
 std::string to_json(const std::vector<Decomposed>& solids, const std::string& file);
 
 /// The parts as meshes of a scene (geometry/gltf/write.hpp), marked so that a reader reassembles them to their solids.

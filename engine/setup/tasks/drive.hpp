@@ -77,7 +77,7 @@ struct DriveResult {
   /// Whether a focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
-/// The output of `palpa drive --json` (docs/files.md).
+/// The output of `palpa drive --json` (docs/solvers.md).
 std::string to_json(const DriveResult& result);
 
 /// A rigid finger in the sound of a layout's transducers, for drives that focus on it.

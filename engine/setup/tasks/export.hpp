@@ -54,7 +54,7 @@ struct ExportResult {
   session::ReplayStats stats;
   bool stopped = false;  ///< stopped before the end; the foci's file is not written
 };
-/// The output of `palpa export --json` (docs/files.md).
+/// The output of `palpa export --json` (docs/run.md).
 std::string to_json(const ExportResult& result);
 
 class ExportRun {

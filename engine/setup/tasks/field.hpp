@@ -61,7 +61,7 @@ struct FieldResult {
   /// Whether a point has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
-/// The output of `palpa field --json` (docs/files.md).
+/// The output of `palpa field --json` (docs/acoustics.md).
 std::string to_json(const FieldResult& result);
 
 /// The field of that drive, one entry per transducer. `places` come from plane_places, line_places or point_places.

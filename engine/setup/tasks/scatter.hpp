@@ -74,7 +74,7 @@ struct ScatterResult {
   /// (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
-/// The output of `palpa scatter --json` (docs/files.md).
+/// The output of `palpa scatter --json` (docs/acoustics.md).
 std::string to_json(const ScatterResult& result);
 
 /// The sound around a closed mesh, which messages call `name`. Throws as body_of (setup/files/body.hpp),

@@ -46,7 +46,7 @@ struct SimulateResult {
   bool beyond_linear() const;
 };
 
-/// The output of `palpa simulate --json` (docs/files.md). Only `timing_ms` differs between runs.
+/// The output of `palpa simulate --json` (docs/acoustics.md). Only `timing_ms` differs between runs.
 std::string to_json(const SimulateResult& result);
 /// Adds only the members of that object.
 void add_members(JsonWriter& json, const SimulateResult& result);

@@ -88,7 +88,7 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
 /// times.
 TouchValues values_of(const session::Session& session, const touch::Touch& touch);
 
-/// The output of `palpa touch --json` (docs/files.md). Only `timing_ms` differs between runs.
+/// The output of `palpa touch --json` (docs/touch.md). Only `timing_ms` differs between runs.
 std::string to_json(const TouchValues& values);
 /// The contacts, a line each: index,x,y,z,depth,finger,solid; finger is -1 if the cluster was too small.
 std::string to_csv(const TouchValues& values);

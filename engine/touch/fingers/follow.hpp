@@ -1,4 +1,4 @@
-// Fingers keep their identity and their axes from frame to frame. The rules are in docs/touch.md.
+// Fingers keep their identity and their axes from frame to frame. The rules are in docs/touch-frames.md.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The arithmetic of following fingers. The rules are in docs/touch.md.
+// The arithmetic of following fingers. The rules are in docs/touch-frames.md.
 #pragma once
 
 #include <cmath>

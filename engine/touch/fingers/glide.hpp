@@ -1,4 +1,4 @@
-// Foci are smoothed so that they do not jump from frame to frame. The rules are in docs/touch.md.
+// Foci are smoothed so that they do not jump from frame to frame. The rules are in docs/touch-frames.md.
 #pragma once
 
 #include <array>

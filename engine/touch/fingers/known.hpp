@@ -1,5 +1,5 @@
 // What a frame's fingers leave for the next frame, and the arithmetic of the decisions that depend on it. The rules are
-// in docs/touch.md.
+// in docs/touch-frames.md.
 #pragma once
 
 #include <algorithm>

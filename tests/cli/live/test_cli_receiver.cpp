@@ -58,7 +58,7 @@ std::uint16_t own_port() {
   return ntohs(address.sin_port);
 }
 
-/// The example of docs/files.md, as it stands there. What it prints goes into a file.
+/// The example of docs/boards.md, as it stands there. What it prints goes into a file.
 class PythonReceiver {
  public:
   const std::uint16_t port = own_port();

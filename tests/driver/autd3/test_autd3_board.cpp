@@ -83,6 +83,10 @@ TEST(Autd3Board, PhasesChangeDuringTheWholeSlotAndNoLonger) {
       Rig rig;
       rig.nulls = nulls;
       const auto board = rig.make(slot_s);
+      ASSERT_EQ(rig.notes.warnings.size(), nulls ? 1u : 0u);
+      if (nulls) {
+        EXPECT_CONTAINS(rig.notes.warnings[0], "with nulls, phases jump from drive to drive");
+      }
       {
         const std::lock_guard held(rig.serving->lock);
         EXPECT_EQ(rig.server.devices()[0].phase_steps(), nulls ? 1 : phase) << slot_s;

@@ -23,6 +23,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/system/descriptor.hpp"
+#include "base/system/real_time.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
@@ -414,14 +415,17 @@ TEST(Guard, ADriveCostsLittleOnBothSides) {
 
 TEST(Guard, GoesBeforeOtherProgramsWhereThatIsAllowed) {
   const pid_t asks = fork();  // in a child, which need not be allowed to go back afterwards
-  if (asks == 0) _exit(setpriority(PRIO_PROCESS, 0, -10) == 0 ? 1 : 0);
+  if (asks == 0) {
+    const RealTime turns(guard_priority);
+    _exit(static_cast<int>(scheduling_of(0)));
+  }
   int status = 0;
   waitpid(asks, &status, 0);
-  const bool allowed = WEXITSTATUS(status) == 1;
+  const auto allowed = static_cast<Scheduling>(WEXITSTATUS(status));
   Rig rig;
   rig.open();
-  EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(guard_of_ours())),
-            allowed ? -10 : getpriority(PRIO_PROCESS, 0));
+  EXPECT_EQ(scheduling_of(guard_of_ours()), allowed);
+  EXPECT_EQ(rig.link->carried()->guard_scheduling, allowed) << "what a run reports";
 }
 
 TEST(Guard, ItsMemoryStaysInMemoryWhereThatIsAllowed) {

@@ -14,7 +14,7 @@
 namespace palpa::touch::test {
 namespace {
 
-// ---- docs/touch.md in doubles ----
+// ---- docs/touch-frames.md in doubles ----
 
 /// The reference for one finger that is seen in every frame.
 class Reference {
