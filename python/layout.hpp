@@ -42,11 +42,11 @@ struct FieldObject {
   setup::FieldResult result;
 };
 
-/// `palpa.FingerInSound`: the sound of a layout's transducers around a finger.
+/// `palpa.FingerSound`: the sound of a layout's transducers around a finger.
 struct FingerSoundObject {
   std::shared_ptr<const LayoutObject> layout;
   setup::FocusingOptions drive;
-  std::unique_ptr<setup::FingerInSound> finger;
+  std::unique_ptr<setup::BodyInSound> finger;
   std::string name;
 };
 

@@ -18,10 +18,10 @@
 #include "acoustics/bodies/body_mesh.hpp"
 #include "acoustics/bodies/far_force.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
+#include "acoustics/bodies/moving_body.hpp"
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
-#include "acoustics/bodies/tracked_finger.hpp"
 #include "acoustics/boundary/surface_operator.hpp"
 #include "acoustics/boundary/surface_sound.hpp"
 #include "acoustics/compressed/body_operator.hpp"
@@ -360,7 +360,7 @@ void measure_tracked(const Context& context, std::vector<Row>& rows) {
   const auto body = std::make_shared<const RigidBody>(
       acoustics::body_mesh("finger.ply", geometry::load_triangles(setup::find_asset("finger.ply"))), air.wave_number());
   const double begin = now_ms();
-  const acoustics::TrackedFinger tracked(body, air, array::Directivity::t4010a1);
+  const acoustics::MovingBody tracked(body, air, array::Directivity::t4010a1);
   rows.push_back(make_row("acoustics", "finger.ply, in a run", "few places", {now_ms() - begin}));
   acoustics::FingerTransfer exact(*body, layout, air, array::Directivity::t4010a1);
   std::vector<Vec3> foci;
@@ -368,7 +368,7 @@ void measure_tracked(const Context& context, std::vector<Row>& rows) {
     const double angle = 0.2 * std::numbers::pi * focus;
     foci.emplace_back(3e-3 * std::cos(angle), 1e-3, 3e-3 * std::sin(angle));
   }
-  std::vector<acoustics::TrackedFinger::Heard> heard;
+  std::vector<acoustics::MovingBody::Heard> heard;
   std::vector<double> samples;
   for (std::uint32_t run = 0; run < std::clamp(context.runs, 1u, 20u); ++run) {
     const double start = now_ms();

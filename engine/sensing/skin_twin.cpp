@@ -3,30 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.hpp"
 #include "sensing/skin_pixels.hpp"
+#include "shaders/sensing/skin_math.h"
 
 namespace palpa::sensing {
 namespace {
-
-bool drops_point(const shader::SkinVolume& volume, const glm::vec3& p) {
-  if (volume.kind == shader::skin_room) {
-    return p.x < volume.x.x || p.y < volume.x.y || p.z < volume.x.z || p.x > volume.y.x || p.y > volume.y.y ||
-           p.z > volume.y.z;
-  }
-  const auto along = [&](const shader::vec4& row) { return ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w; };
-  const float x = along(volume.x), y = along(volume.y), z = along(volume.z);
-  return std::abs(x) <= volume.half_width && std::abs(y) <= volume.half_height && z >= -shader::skin_behind_m &&
-         z <= shader::skin_before_m;
-}
 
 /// `limit`: of the point's pixel.
 std::uint32_t why_dropped(std::span<const shader::SkinVolume> volumes, const glm::vec3& point, std::uint16_t raw,
                           std::uint16_t limit) {
   for (const shader::SkinVolume& volume : volumes) {
-    if (drops_point(volume, point)) return volume.kind;
+    if (shader::drops_point(volume, {point.x, point.y, point.z})) return volume.kind;
   }
   return raw > limit ? shader::skin_background : shader::skin_kept;
 }

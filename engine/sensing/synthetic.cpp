@@ -85,22 +85,82 @@ void SyntheticRig::finish_still(std::size_t index) {
   images.spans = images.still_spans;
 }
 
-PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Transform& T_world_mesh,
-                            const std::string& name, Layer& layer) {
-  const Camera& camera = cameras_[index];
-  const CameraTable& table = tables_.cameras[index];
-  const glm::vec2* rays = tables_.rays.data() + table.first_pixel;
-  const Transform T_camera_mesh = glm::inverse(camera.T_world_camera) * T_world_mesh;
-  corners_.resize(mesh.positions.size());
-  std::transform(mesh.positions.begin(), mesh.positions.end(), corners_.begin(), [&](const Vec3& p) {
-    const Vec3 at = transform_point(T_camera_mesh, p);
-    return Corner{at, at.x / at.z, at.y / at.z};
-  });
-
-  PixelBox drawn;
+/// A mesh drawn into one camera's layer.
+struct SyntheticRig::Drawing {
+  const Camera& camera;
+  const CameraTable& table;
+  const glm::vec2* rays;
+  Layer& layer;
+  PixelBox drawn{};
   std::uint64_t looks = 0;
-  std::vector<PlacedTriangle> late;  // triangles that come after too many rays have been cast
-  const auto draw_box = [&](const TriangleEdges& edges, const PixelBox& box) {
+  std::vector<PlacedTriangle> late{};  ///< triangles that come after too many rays have been cast
+
+  /// A triangle, and the bounds of the rays to its corners.
+  struct Bounded {
+    TriangleEdges edges;
+    Vec2 low, high;
+    double near;
+    bool is_late;
+  };
+
+  void draw(const Corner& a, const Corner& b, const Corner& c) {
+    const auto [near, far] = std::minmax({a.position.z, b.position.z, c.position.z});
+    if (far <= 0) return;
+    const bool is_late = looks > rays_before_hierarchy * pixel_count(camera);
+    const bool behind = near < 1e-6;  // reaches behind the camera, so has no bounds
+    const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
+    const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
+    PixelBox box{0, 0, table.width, table.height};
+    if (table.pinhole && !behind) {
+      box = pinhole_box({low_x, low_y}, {high_x, high_y});
+      if (box.empty()) return;
+    }
+    const Bounded triangle{
+        TriangleEdges(a.position, b.position, c.position), {low_x, low_y}, {high_x, high_y}, near, is_late};
+    if (!triangle.edges.visible()) return;
+    if (!table.pinhole && !behind) {
+      draw_in_tiles(triangle);
+    } else if (is_late) {
+      drawn = around(drawn, box);
+      late.push_back({.edges = triangle.edges, .box = box, .near = near});
+    } else {
+      draw_in_box(triangle.edges, box);
+    }
+  }
+
+  /// A fine mesh has many triangles between the pixels' centres; their boxes are empty.
+  PixelBox pinhole_box(const Vec2& low, const Vec2& high) const {
+    const RowSpan columns = between(low.x * camera.fx + camera.cx, high.x * camera.fx + camera.cx, table.width);
+    const RowSpan rows = between(low.y * camera.fy + camera.cy, high.y * camera.fy + camera.cy, table.height);
+    return {columns.begin, rows.begin, columns.end, rows.end};
+  }
+
+  /// In those tiles of a picture with a distorting lens that have such rays.
+  void draw_in_tiles(const Bounded& triangle) {
+    const auto misses = [&](const RayBounds& bounds) {
+      return bounds.low.x > triangle.high.x || bounds.high.x < triangle.low.x || bounds.low.y > triangle.high.y ||
+             bounds.high.y < triangle.low.y;
+    };
+    PixelBox tiles;
+    for (std::uint32_t ty = 0; ty < table.tiles_y; ++ty) {
+      if (misses(table.tile_rows[ty])) continue;
+      for (std::uint32_t tx = 0; tx < table.tiles_x; ++tx) {
+        if (misses(table.tiles[std::size_t{ty} * table.tiles_x + tx])) continue;
+        const PixelBox here{tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
+                            std::min((ty + 1) * tile_pixels, table.height)};
+        if (triangle.is_late) {
+          tiles = around(tiles, here);
+        } else {
+          draw_in_box(triangle.edges, here);
+        }
+      }
+    }
+    if (tiles.empty()) return;
+    drawn = around(drawn, tiles);
+    late.push_back({triangle.edges, tiles, triangle.low, triangle.high, triangle.near});
+  }
+
+  void draw_in_box(const TriangleEdges& edges, const PixelBox& box) {
     drawn = around(drawn, box);
     looks += std::uint64_t{box.x1 - box.x0} * (box.y1 - box.y0);
     for (std::uint32_t v = box.y0; v < box.y1; ++v) {
@@ -114,64 +174,36 @@ PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const
         slant_row[u] = hit.slant;
       }
     }
-  };
-
-  for (const glm::uvec3& corner : mesh.triangles) {
-    const Corner &a = corners_[corner.x], &b = corners_[corner.y], &c = corners_[corner.z];
-    const auto [near, far] = std::minmax({a.position.z, b.position.z, c.position.z});
-    if (far <= 0) continue;
-    const bool is_late = looks > rays_before_hierarchy * pixel_count(camera);
-    const bool behind = near < 1e-6;  // reaches behind the camera, so has no bounds
-    const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
-    const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
-    PixelBox box{0, 0, table.width, table.height};
-    if (table.pinhole && !behind) {
-      const RowSpan columns = between(low_x * camera.fx + camera.cx, high_x * camera.fx + camera.cx, table.width);
-      const RowSpan rows = between(low_y * camera.fy + camera.cy, high_y * camera.fy + camera.cy, table.height);
-      // A fine mesh has many triangles between the pixels' centres.
-      box = {columns.begin, rows.begin, columns.end, rows.end};
-      if (box.empty()) continue;
-    }
-    const TriangleEdges edges(a.position, b.position, c.position);
-    if (!edges.visible()) continue;
-    if (table.pinhole || behind) {
-      if (is_late) {
-        drawn = around(drawn, box);
-        late.push_back({.edges = edges, .box = box, .near = near});
-      } else {
-        draw_box(edges, box);
-      }
-      continue;
-    }
-    PixelBox tiles;
-    for (std::uint32_t ty = 0; ty < table.tiles_y; ++ty) {
-      const RayBounds& row = table.tile_rows[ty];
-      if (row.low.x > high_x || row.high.x < low_x || row.low.y > high_y || row.high.y < low_y) continue;
-      for (std::uint32_t tx = 0; tx < table.tiles_x; ++tx) {
-        const RayBounds& tile = table.tiles[std::size_t{ty} * table.tiles_x + tx];
-        if (tile.low.x > high_x || tile.high.x < low_x || tile.low.y > high_y || tile.high.y < low_y) continue;
-        const PixelBox here{tx * tile_pixels, ty * tile_pixels, std::min((tx + 1) * tile_pixels, table.width),
-                            std::min((ty + 1) * tile_pixels, table.height)};
-        if (is_late) {
-          tiles = around(tiles, here);
-        } else {
-          draw_box(edges, here);
-        }
-      }
-    }
-    if (tiles.empty()) continue;
-    drawn = around(drawn, tiles);
-    late.push_back({edges, tiles, {low_x, low_y}, {high_x, high_y}, near});
   }
+
+  /// False if it takes more than `most` looks.
+  bool draw_late(std::uint64_t most) {
+    return draw_hierarchical_z(table, rays, late, layer.depth, layer.slant, most, looks);
+  }
+};
+
+PixelBox SyntheticRig::draw(std::size_t index, const geometry::Mesh& mesh, const Transform& T_world_mesh,
+                            const std::string& name, Layer& layer) {
+  const Camera& camera = cameras_[index];
+  const CameraTable& table = tables_.cameras[index];
+  const Transform T_camera_mesh = glm::inverse(camera.T_world_camera) * T_world_mesh;
+  corners_.resize(mesh.positions.size());
+  std::transform(mesh.positions.begin(), mesh.positions.end(), corners_.begin(), [&](const Vec3& p) {
+    const Vec3 at = transform_point(T_camera_mesh, p);
+    return Corner{at, at.x / at.z, at.y / at.z};
+  });
+  Drawing drawing{camera, table, tables_.rays.data() + table.first_pixel, layer};
+  for (const glm::uvec3& corner : mesh.triangles)
+    drawing.draw(corners_[corner.x], corners_[corner.y], corners_[corner.z]);
   const std::uint64_t most = std::max(most_looks / cameras_.size(), most_looks_per_pixel * pixel_count(camera)) +
                              most_looks_per_triangle * mesh.triangles.size();
-  if (!draw_hierarchical_z(table, rays, late, layer.depth, layer.slant, most, looks)) {
+  if (!drawing.draw_late(most)) {
     throw bad_input(name,
                     fmt::format("camera \"{}\" sees so many of its triangles behind each other that a picture takes "
                                 "more than {} million rays; leave out surfaces inside the mesh or on top of each other",
                                 printable(camera.name, 60), most / 1'000'000));
   }
-  return drawn;
+  return drawing.drawn;
 }
 
 void SyntheticRig::show(std::size_t index, std::span<const Posed> skin) {

@@ -56,6 +56,7 @@ class SyntheticRig {
     PixelBox skin;                            ///< the pixels outside which both are equal
     std::vector<RowSpan> still_spans, spans;  ///< the same for the spans
   };
+  struct Drawing;
   DepthImage image(std::size_t camera, const Layer& layer) const;
   PixelBox draw(std::size_t camera, const geometry::Mesh& mesh, const Transform& T_world_mesh, const std::string& name,
                 Layer& layer);

@@ -13,18 +13,21 @@ namespace palpa::touch {
 /// Shorter than the time that FrameClock reports if a clock is set back.
 inline constexpr double longest_memory_s = 3600;
 
-/// The rules of hysteresis, as bits.
-inline constexpr std::uint32_t known_few = 1;  ///< a known finger needs half as many contacts and firm ones
-inline constexpr std::uint32_t known_islands =
-    2;                                           ///< a small island waits: beside a known finger, or with few contacts
-inline constexpr std::uint32_t known_apart = 4;  ///< known fingers stay apart
-inline constexpr std::uint32_t known_together = 8;  ///< a known finger stays one
-inline constexpr std::uint32_t known_edges = 16;  ///< contacts of a finger about to end reach beyond the shell's edges
-inline constexpr std::uint32_t known_falling = 32;  ///< known_few and known_edges do not hold a finger that leaves
-inline constexpr std::uint32_t known_whole =
-    64;  ///< skin that parts from a known finger is the finger's until it is one
-inline constexpr std::uint32_t known_again = 128;    ///< skin that has just left waits, unless it presses
-inline constexpr std::uint32_t known_members = 256;  ///< contacts that join or leave a finger are no motion of it
+/// The rules of hysteresis. Tools that compare them leave some out.
+struct HysteresisRules {
+  bool few = true;       ///< a known finger needs half as many contacts and firm ones
+  bool islands = true;   ///< a small island waits: beside a known finger, or with few contacts
+  bool apart = true;     ///< known fingers stay apart
+  bool together = true;  ///< a known finger stays one
+  bool edges = true;     ///< contacts of a finger about to end reach beyond the shell's edges
+  bool falling = true;   ///< `few` and `edges` do not hold a finger that leaves
+  bool whole = true;     ///< skin that parts from a known finger is the finger's until it is one
+  bool again = true;     ///< skin that has just left waits, unless it presses
+  bool members = true;   ///< contacts that join or leave a finger are no motion of it
+
+  bool operator==(const HysteresisRules&) const = default;
+};
+inline constexpr HysteresisRules no_rules{false, false, false, false, false, false, false, false, false};
 
 struct StageSetting {
   FingerOptions parameters;
@@ -33,10 +36,9 @@ struct StageSetting {
   bool follow = false;
   Axes axes = Axes::steady;
   Smoothing smoothing = Smoothing::one_euro;
-  /// Needs `follow` and cameras. Unless it is off, the rules below are on.
+  /// Needs `follow` and cameras. Unless it is off, the rules below count.
   Hysteresis hysteresis = Hysteresis::off;
-  /// The rules that are on, for tools that compare them; bits.
-  std::uint32_t hysteresis_rules = ~0U;
+  HysteresisRules rules{};
   /// How long a finger that no camera sees is remembered, at least 0.3 s. It must not be shorter than the longest time
   /// between frames.
   double memory_s = 0;
@@ -56,14 +58,14 @@ struct StageSetting {
   /// With known fingers, clusters with half as many contacts may be fingers.
   FingerOptions searched(const FingerOptions& given, bool cameras) const {
     FingerOptions p = given;
-    if (knows(cameras) && (hysteresis_rules & known_few) != 0) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
+    if (knows(cameras) && rules.few) p.min_points = (std::max(p.min_points, 1U) + 1) / 2;
     return p;
   }
 
   /// The box in which skin is looked for: that of the solids, and a little more if contacts reach beyond the shell.
   Box watched(Box box, bool cameras) const {
     constexpr double more_m = 0.6e-3;
-    if (!knows(cameras) || (hysteresis_rules & known_edges) == 0 || box.empty()) return box;
+    if (!knows(cameras) || !rules.edges || box.empty()) return box;
     box.low -= more_m;
     box.high += more_m;
     return box;

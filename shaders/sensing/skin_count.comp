@@ -32,16 +32,8 @@ uint wanted_pixels(uvec2 pixel, uint stride) {
   return wanted;
 }
 
-bool drops_point(SkinVolume volume, vec3 p) {
-  if (volume.kind == skin_room) return any(lessThan(p, volume.x.xyz)) || any(greaterThan(p, volume.y.xyz));
-  precise const float x = ((volume.x.x * p.x + volume.x.y * p.y) + volume.x.z * p.z) + volume.x.w;
-  precise const float y = ((volume.y.x * p.x + volume.y.y * p.y) + volume.y.z * p.z) + volume.y.w;
-  precise const float z = ((volume.z.x * p.x + volume.z.y * p.y) + volume.z.z * p.z) + volume.z.w;
-  return abs(x) <= volume.half_width && abs(y) <= volume.half_height && z >= -skin_behind_m && z <= skin_before_m;
-}
-
 // The points of a block, and the points of the run that are no skin, by their reasons.
-vec3 seen[8];
+Float3 seen[8];
 uint gone[4] = uint[4](0u, 0u, 0u, 0u);
 
 // Those pixels of `block` whose point in `seen` is no skin. A volume is loaded once for all of them.
@@ -90,7 +82,7 @@ uint find_survivors(uint first_block) {
       const uint raw = raw_depth(words, i);
       if (raw - depth_low <= depth_span) {
         const vec2 ray = ray_of(lens, uvec2(pixel.x + i, pixel.y), place * 8u + i);
-        const vec3 point = skin_point(lens, raw, ray);
+        const Float3 point = skin_point(lens, raw, ray);
         if (inside(lens, point)) {
           survivors |= bit;
           if (drops != 0u) seen[i] = point;

@@ -1,5 +1,6 @@
-// Common to the two skin shaders. `precise` keeps a compiler from fusing, so that both shaders and the C++ twin agree on every
-// bit wherever additions and products round correctly.
+// Common to the two skin shaders.
+
+#include "shaders/sensing/skin_math.h"
 
 layout(constant_id = 0) const uint rays_from_table = 1u;
 
@@ -39,17 +40,12 @@ vec2 ray_of(Lens lens, uvec2 pixel, uint table_index) {
   return ray;
 }
 
-vec3 skin_point(Lens lens, uint raw, vec2 ray) {
-  precise const float z = float(raw) * lens.low.w;
-  precise const float x = ray.x * z;
-  precise const float y = ray.y * z;
-  precise vec3 world;
-  world.x = ((lens.x.x * x + lens.x.y * y) + lens.x.z * z) + lens.x.w;
-  world.y = ((lens.y.x * x + lens.y.y * y) + lens.y.z * z) + lens.y.w;
-  world.z = ((lens.z.x * x + lens.z.y * y) + lens.z.z * z) + lens.z.w;
-  return world;
+Float3 skin_point(Lens lens, uint raw, vec2 ray) {
+  const Float3 p = pixel_point(product(float(raw), lens.low.w), ray.x, ray.y);
+  return Float3(in_frame(lens.x, p), in_frame(lens.y, p), in_frame(lens.z, p));
 }
 
-bool inside(Lens lens, vec3 point) {
+bool inside(Lens lens, Float3 p) {
+  const vec3 point = vec3(p.x, p.y, p.z);
   return all(greaterThanEqual(point, lens.low.xyz)) && all(lessThanEqual(point, lens.high.xyz));
 }

@@ -34,7 +34,8 @@ void main() {
         if ((left >> i & 1u) != 0u) {
           if (slot < room) {
             const vec2 ray = ray_of(lens, uvec2(pixel.x + i, pixel.y), place * 8u + i);
-            points[slot] = vec4(skin_point(lens, raw_depth(words, i), ray), uintBitsToFloat(index + i));
+            const Float3 point = skin_point(lens, raw_depth(words, i), ray);
+            points[slot] = vec4(point.x, point.y, point.z, uintBitsToFloat(index + i));
           }
           ++slot;
         }

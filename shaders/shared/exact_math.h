@@ -23,6 +23,14 @@ struct Float3 {
   float x, y, z;
 };
 
+PALPA_FN Float3 xyz_of(vec4 v) {
+  Float3 r;
+  r.x = v.x;
+  r.y = v.y;
+  r.z = v.z;
+  return r;
+}
+
 PALPA_FN Float3 minus(Float3 a, Float3 b) {
   PALPA_EXACT Float3 d;
   d.x = a.x - b.x;

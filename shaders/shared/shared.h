@@ -12,6 +12,7 @@
 #define PALPA_CONST inline constexpr std::uint32_t
 #define PALPA_CONST_FLOAT inline constexpr float
 #define PALPA_FN inline
+#define PALPA_FN_INLINED [[gnu::always_inline]] inline  // for loops over lanes
 // Size and offsets are checked on the C++ side; a test reads the same numbers back from the SPIR-V.
 #define PALPA_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), #type " differs from its shader")
 #define PALPA_CHECK_OFFSET(type, member, bytes) \
@@ -31,6 +32,7 @@ struct alignas(16) uvec4 {
 #define PALPA_CONST const uint
 #define PALPA_CONST_FLOAT const float
 #define PALPA_FN
+#define PALPA_FN_INLINED
 #define PALPA_CHECK_SIZE(type, bytes)
 #define PALPA_CHECK_OFFSET(type, member, bytes)
 #endif

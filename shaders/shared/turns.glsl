@@ -1,22 +1,5 @@
-// Sines and cosines of phases in turns. They are polynomials, so that every device agrees; a device's own may differ by
-// 2^-11.
-
-#ifndef promised
-#define promised(x) (x)  // tests define this to detect arguments outside the polynomial's range
-#endif
-
-// sin(2 pi x) for x in -1/4..1/4, within 1e-7.
-float sine_of_turns(float x) {
-  const float y = promised(x) * 6.2831853;
-  const float s = y * y;
-  float series = -2.5052108e-8;
-  series = series * s + 2.7557319e-6;
-  series = series * s - 1.9841270e-4;
-  series = series * s + 8.3333333e-3;
-  series = series * s - 1.6666667e-1;
-  series = series * s + 1.0;
-  return y * series;
-}
+// Sines and cosines of phases in turns.
+#include "shaders/shared/sine_of_turns.h"
 
 // Cosine and sine of an angle in turns, -1/2..1/2.
 vec2 unit_of_part(float part) {

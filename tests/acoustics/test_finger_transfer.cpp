@@ -9,8 +9,8 @@
 
 #include "acoustics/bodies/body_places.hpp"
 #include "acoustics/bodies/finger_transfer.hpp"
+#include "acoustics/bodies/moving_body.hpp"
 #include "acoustics/bodies/sphere_series.hpp"
-#include "acoustics/bodies/tracked_finger.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "acoustics/rigs.hpp"
 #include "array/drive.hpp"
@@ -88,10 +88,10 @@ TEST(FingerTransfer, IsThePressureOfEachTransducerAlone) {
 }
 
 // From few vertices instead of three samples a face: nearly the same sound, and the same phases.
-TEST(TrackedFinger, HearsNearlyTheSame) {
+TEST(MovingBody, HearsNearlyTheSame) {
   const array::Layout layout = shell(60);
   const Air& air = still_air();
-  const TrackedFinger tracked(shared_ball(), air_of({}), array::Directivity::t4010a1);
+  const MovingBody tracked(shared_ball(), air_of({}), array::Directivity::t4010a1);
   FingerTransfer exact(ball(), layout, air, array::Directivity::t4010a1);
   const std::vector<Vec3> foci{{1e-3, 2e-3, -7e-3}, {0, 8.5e-3, 0}, {-6e-3, 1e-3, 4e-3}};
   const std::vector<Vec3> places = exact.aim(std::span(foci).first(1));

@@ -85,7 +85,7 @@ TEST(FingerFit, FindsAFingerInNoisyImages) {
     // Some skin of another finger beside it.
     for (int i = 0; i < 60; ++i)
       skin.push_back(tip + Vec3(19e-3 + 1e-3 * std::sin(i), 0.2e-3 * i, 3e-3 * std::cos(2.3 * i)));
-    const std::optional<FingerPose> pose = fit.find(skin, tip + 1e-3 * Vec3(stands[1]), std::nullopt);
+    const std::optional<FittedPose> pose = fit.find(skin, tip + 1e-3 * Vec3(stands[1]), std::nullopt);
     ASSERT_TRUE(pose.has_value());
     EXPECT_LE(glm::distance(Vec3(pose->T_world_finger[3]), tip), 0.8e-3);
     EXPECT_LE(angle_between(pose->T_world_finger, stands), 0.05);

@@ -11,16 +11,16 @@ session::SessionSetting setting_of(const RatedHand& hand) {
   return setting;
 }
 
-touch::StageSetting stage_of(const session::SessionSetting& setting, std::uint32_t rules) {
+touch::StageSetting stage_of(const session::SessionSetting& setting, const touch::HysteresisRules& rules) {
   touch::StageSetting stage = session::stage_setting(setting);
-  stage.hysteresis_rules = rules;
-  if (rules == 0) stage.hysteresis = touch::Hysteresis::off;
+  stage.rules = rules;
+  if (rules == touch::no_rules) stage.hysteresis = touch::Hysteresis::off;
   return stage;
 }
 
 }  // namespace
 
-HandChain::HandChain(const RatedHand& hand, std::uint32_t rules)
+HandChain::HandChain(const RatedHand& hand, const touch::HysteresisRules& rules)
     : setting_(setting_of(hand)),
       scheduler_(setting_.scene, setting_.solids, setting_.touch, setting_.schedule),
       stage_(setting_.solids, setting_.cameras, stage_of(setting_, rules)),

@@ -18,8 +18,7 @@ namespace palpa::test {
 
 class HandChain {
  public:
-  /// `rules`: bits of touch::StageSetting::hysteresis_rules.
-  HandChain(const RatedHand& hand, std::uint32_t rules);
+  HandChain(const RatedHand& hand, const touch::HysteresisRules& rules);
 
   void see(std::span<const sensing::DepthFrame> images, double time_s);
   // The results of the newest frame.

@@ -72,21 +72,26 @@ struct Job {
 
 struct Asked {
   std::filesystem::path csv;
-  std::uint32_t rules = ~0U;
+  touch::HysteresisRules rules;
   std::vector<std::string_view> names;
   std::vector<std::uint64_t> seeds;
 };
 
-std::uint32_t rule_of(std::string_view name) {
-  constexpr std::pair<std::string_view, std::uint32_t> rules[] = {
-      {"few", touch::known_few},         {"islands", touch::known_islands},
-      {"apart", touch::known_apart},     {"together", touch::known_together},
-      {"edges", touch::known_edges},     {"falling", touch::known_falling},
-      {"whole", touch::known_whole},     {"again", touch::known_again},
-      {"members", touch::known_members}, {"all", ~0U},
+void leave_out(std::string_view name, touch::HysteresisRules& rules) {
+  using Rules = touch::HysteresisRules;
+  constexpr std::pair<std::string_view, bool Rules::*> members[] = {
+      {"few", &Rules::few},           {"islands", &Rules::islands}, {"apart", &Rules::apart},
+      {"together", &Rules::together}, {"edges", &Rules::edges},     {"falling", &Rules::falling},
+      {"whole", &Rules::whole},       {"again", &Rules::again},     {"members", &Rules::members},
   };
-  for (const auto& [known, bits] : rules) {
-    if (known == name) return bits;
+  if (name == "all") {
+    rules = touch::no_rules;
+    return;
+  }
+  for (const auto& [known, member] : members) {
+    if (known != name) continue;
+    rules.*member = false;
+    return;
   }
   throw bad_usage(fmt::format("no rule {}", name));
 }
@@ -100,7 +105,7 @@ Asked asked_by(int argc, char** argv) {
     if (word == "--csv" && i + 1 < argc) {
       asked.csv = argv[++i];
     } else if (word == "--without" && i + 1 < argc) {
-      asked.rules &= ~rule_of(argv[++i]);
+      leave_out(argv[++i], asked.rules);
     } else if (error == std::errc() && end == word.data() + word.size()) {
       asked.seeds.push_back(seed);
     } else if (std::ranges::any_of(hand_classes(), [&](const HandClass& kind) { return word == kind.name; })) {

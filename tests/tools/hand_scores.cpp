@@ -73,7 +73,7 @@ struct Sounding {
 
 class Scoring {
  public:
-  Scoring(const RatedHand& hand, std::uint32_t rules) : hand_(hand), chain_(hand, rules) {
+  Scoring(const RatedHand& hand, const touch::HysteresisRules& rules) : hand_(hand), chain_(hand, rules) {
     if (!hand.bodies.empty()) truth_.emplace(hand);
     const auto press = hand.solids[0].haptics.press_depth_m;
     if (press) press_m_ = *press;
@@ -370,7 +370,7 @@ double quantile(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(std::max(rank, 0.0))];
 }
 
-HandScore score_of(const RatedHand& hand, std::uint32_t rules) {
+HandScore score_of(const RatedHand& hand, const touch::HysteresisRules& rules) {
   return Scoring(hand, rules).score();
 }
 

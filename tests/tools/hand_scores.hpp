@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hand_classes.hpp"
+#include "touch/stage_setting.hpp"
 
 namespace palpa::test {
 
@@ -25,7 +26,6 @@ struct HandScore {
 /// The value that this share of the values does not exceed; 0 without values.
 double quantile(std::vector<double> values, double share);
 
-/// `rules`: bits of touch::StageSetting::hysteresis_rules.
-HandScore score_of(const RatedHand& hand, std::uint32_t rules);
+HandScore score_of(const RatedHand& hand, const touch::HysteresisRules& rules);
 
 }  // namespace palpa::test

@@ -7,6 +7,7 @@
 
 #include "acoustics/lanes.hpp"
 #include "array/field/turns.hpp"
+#include "shaders/shared/sine_of_turns.h"
 
 namespace palpa::acoustics {
 
@@ -45,19 +46,6 @@ namespace {
 [[gnu::always_inline]] inline float nearest(float x) {
   constexpr float shift = 12582912.0F;  // 1.5 * 2^23
   return (x + shift) - shift;
-}
-
-/// sin(2 pi x) for x in -1/4..1/4, within 1e-7. Twin: shaders/shared/turns.glsl.
-[[gnu::always_inline]] inline float sine_of_turns(float x) {
-  const float y = x * 6.2831853F;
-  const float s = y * y;
-  float series = -2.5052108e-8F;
-  series = series * s + 2.7557319e-6F;
-  series = series * s - 1.9841270e-4F;
-  series = series * s + 8.3333333e-3F;
-  series = series * s - 1.6666667e-1F;
-  series = series * s + 1.0F;
-  return y * series;
 }
 
 /// e^{-x} for x in 0..80, within 2e-7; e^{-80} beyond.
@@ -118,8 +106,8 @@ namespace {
   for (std::size_t i = 0; i < block_points; ++i) {
     const float size = std::abs(turns[i]);
     // Uses the quarter turn on either side of the steep part of each curve.
-    cosine[i] = sine_of_turns(0.25F - size);
-    sine[i] = std::copysign(sine_of_turns(0.25F - std::abs(0.25F - size)), turns[i]);
+    cosine[i] = shader::sine_of_turns(0.25F - size);
+    sine[i] = std::copysign(shader::sine_of_turns(0.25F - std::abs(0.25F - size)), turns[i]);
     out.re[i] = loud[i] * cosine[i];
     out.im[i] = loud[i] * sine[i];
   }

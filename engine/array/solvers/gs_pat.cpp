@@ -27,11 +27,8 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
                 std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
   gs_pat_start(matrix, columns, 0, scratch.claims, scratch.factors);
-  for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-    hear(matrix, scratch.factors, scratch.pressure);
-    if (gs_pat_step(scratch.pressure, scratch.claims, {0, static_cast<double>(foci)}, scratch.factors) < gs_pat_still)
-      break;
-  }
+  gs_pat_climb_to(matrix, scratch.claims, {0, static_cast<double>(foci)}, gs_pat_steps, scratch.factors,
+                  scratch.pressure);
   for (std::size_t j = 0; j < foci; ++j)
     weights[j].plain = scratch.factors[j];
 
@@ -42,10 +39,7 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
     const double level = level_of(scratch.pressure, scratch.claims);
     for (std::size_t j = 0; j < foci; ++j)
       scratch.factors[j] *= gains[j];
-    for (std::uint32_t i = 0; i < gs_pat_steps; ++i) {
-      hear(matrix, scratch.factors, scratch.pressure);
-      if (gs_pat_step(scratch.pressure, scratch.targets, {level, 0}, scratch.factors) < gs_pat_still) break;
-    }
+    gs_pat_climb_to(matrix, scratch.targets, {level, 0}, gs_pat_steps, scratch.factors, scratch.pressure);
   }
   if (constraint != Constraint::normalise && !scratch.effort) {
     double sum = 0;
@@ -130,6 +124,14 @@ double gs_pat_step(std::span<const Complex> pressure, std::span<const double> ta
     factors[j] = next;
   }
   return moved;
+}
+
+void gs_pat_climb_to(const FocusMatrix& matrix, std::span<const double> targets, const GsPatGoal& goal,
+                     std::uint32_t steps, std::span<Complex> factors, std::vector<Complex>& pressure) {
+  for (std::uint32_t i = 0; i < steps; ++i) {
+    hear(matrix, factors, pressure);
+    if (gs_pat_step(pressure, targets, goal, factors) < gs_pat_still) break;
+  }
 }
 
 bool are_near(const Columns& part, FocusMatrix& scratch) {

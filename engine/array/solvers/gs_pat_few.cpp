@@ -42,11 +42,8 @@ void solve_plain(const FocusMatrix& matrix, const Columns& columns, std::uint32_
   double best = -1;
   for (std::uint32_t i = 0; i < starts; ++i) {
     gs_pat_start(matrix, columns, i, scratch.claims, scratch.start);
-    for (std::uint32_t step = 0; step < (starts > 1 ? gs_pat_climb : gs_pat_steps); ++step) {
-      hear(matrix, scratch.start, scratch.pressure);
-      const GsPatGoal goal{0, static_cast<double>(matrix.foci)};
-      if (gs_pat_step(scratch.pressure, scratch.claims, goal, scratch.start) < gs_pat_still) break;
-    }
+    gs_pat_climb_to(matrix, scratch.claims, {0, static_cast<double>(matrix.foci)},
+                    starts > 1 ? gs_pat_climb : gs_pat_steps, scratch.start, scratch.pressure);
     if (starts > 1) even_out(matrix, scratch.claims, {0, gs_pat_miss, gs_pat_look}, scratch.start, scratch.even);
     hear(matrix, scratch.start, scratch.pressure);
     const double merit = merit_of(scratch.start, scratch.pressure, scratch.claims);

@@ -28,4 +28,10 @@ struct GsPatGoal {
 double gs_pat_step(std::span<const std::complex<double>> pressure, std::span<const double> targets,
                    const GsPatGoal& goal, std::span<std::complex<double>> factors);
 
+/// At most `steps` of these steps, with the pressure that the factors give, until no factor changes any more.
+/// `pressure` is scratch.
+void gs_pat_climb_to(const FocusMatrix& matrix, std::span<const double> targets, const GsPatGoal& goal,
+                     std::uint32_t steps, std::span<std::complex<double>> factors,
+                     std::vector<std::complex<double>>& pressure);
+
 }  // namespace palpa::array

@@ -84,7 +84,7 @@ Vec3 mean_of(std::span<const Vec3> points) {
 FingerFit::FingerFit(const geometry::Mesh& finger)
     : nearest_(finger), normals_(unit_normals(finger)), end_m_(geometry::bounds(finger).high.y - end_margin_m) {}
 
-FingerPose FingerFit::fit(std::span<const Vec3> skin, Transform T_world_finger, int steps) const {
+FittedPose FingerFit::fit(std::span<const Vec3> skin, Transform T_world_finger, int steps) const {
   struct Hit {
     Vec3 place, normal;
     double off_m;
@@ -139,12 +139,12 @@ FingerPose FingerFit::fit(std::span<const Vec3> skin, Transform T_world_finger, 
     T_world_finger = T_world_finger * glm::inverse(skin_moves);
     if (step >= steps / 3 && glm::length(shift) + angle * lever_m < still_m) break;
   }
-  FingerPose pose{T_world_finger};
+  FittedPose pose{T_world_finger};
   measure(skin, pose);
   return pose;
 }
 
-void FingerFit::measure(std::span<const Vec3> skin, FingerPose& pose) const {
+void FingerFit::measure(std::span<const Vec3> skin, FittedPose& pose) const {
   const Transform T_finger_world = glm::inverse(pose.T_world_finger);
   double squares = 0;
   for (const Vec3& p : skin) {
@@ -156,7 +156,7 @@ void FingerFit::measure(std::span<const Vec3> skin, FingerPose& pose) const {
   pose.rms_m = pose.points > 0 ? std::sqrt(squares / pose.points) : 0;
 }
 
-std::optional<FingerPose> FingerFit::find(std::span<const Vec3> skin, const Vec3& contacts,
+std::optional<FittedPose> FingerFit::find(std::span<const Vec3> skin, const Vec3& contacts,
                                           const std::optional<Transform>& before) const {
   std::vector<Vec3> used;
   for (const Vec3& p : skin) {
@@ -168,19 +168,19 @@ std::optional<FingerPose> FingerFit::find(std::span<const Vec3> skin, const Vec3
       used[i] = used[i * used.size() / most];
     used.resize(most);
   }
-  const auto fits = [&](const FingerPose& pose) {
+  const auto fits = [&](const FittedPose& pose) {
     return pose.points >= fewest && std::size_t{2} * pose.points >= used.size();
   };
   if (before) {
-    const FingerPose pose = fit(used, *before, more_steps);
+    const FittedPose pose = fit(used, *before, more_steps);
     if (fits(pose)) return pose;
   }
   // From the contacts to the middle of the skin, and along the skin.
   const Vec3 away = mean_of(used) - contacts, axis = longest_axis(used);
-  std::optional<FingerPose> best;
+  std::optional<FittedPose> best;
   for (const Vec3& way : {away, glm::dot(axis, away) < 0 ? -axis : axis}) {
     if (!(glm::length(way) > 0)) continue;
-    const FingerPose pose = fit(used, standing(used, glm::normalize(way)), first_steps);
+    const FittedPose pose = fit(used, standing(used, glm::normalize(way)), first_steps);
     if (fits(pose) && (!best || pose.points > best->points)) best = pose;
   }
   return best;

@@ -17,7 +17,7 @@
 
 namespace palpa::session {
 
-struct FingerPose {
+struct FittedPose {
   Transform T_world_finger{1.0};
   std::uint32_t points = 0;  ///< of the skin, that fit
   double rms_m = 0;          ///< of their distances from the mesh
@@ -37,15 +37,15 @@ class FingerFit {
   /// it still fits there. Otherwise tries two directions: from the contacts to the middle of the skin, and the longest
   /// one of the skin. nullopt if the mesh does not fit: fewer than `fewest` points within `near_m`, or fewer than half
   /// of the skin within reach.
-  std::optional<FingerPose> find(std::span<const Vec3> skin, const Vec3& contacts,
+  std::optional<FittedPose> find(std::span<const Vec3> skin, const Vec3& contacts,
                                  const std::optional<Transform>& before) const;
 
  private:
   static constexpr std::uint32_t fewest = 30, most = 300;
   static constexpr double near_m = 1.5e-3;
 
-  FingerPose fit(std::span<const Vec3> skin, Transform T_world_finger, int steps) const;
-  void measure(std::span<const Vec3> skin, FingerPose& pose) const;
+  FittedPose fit(std::span<const Vec3> skin, Transform T_world_finger, int steps) const;
+  void measure(std::span<const Vec3> skin, FittedPose& pose) const;
 
   geometry::NearestTriangle nearest_;
   std::vector<Vec3> normals_;  ///< of the faces

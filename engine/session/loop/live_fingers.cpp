@@ -250,7 +250,7 @@ LiveFingers::Answer LiveFingers::work(const Question& question, const std::atomi
     points.reserve(skin.points.size());
     for (const sensing::SkinPoint& point : skin.points)
       points.emplace_back(point.position);
-    const std::optional<FingerPose> pose = fit_->find(points, tracked.contacts, known.T_world_finger);
+    const std::optional<FittedPose> pose = fit_->find(points, tracked.contacts, known.T_world_finger);
     answer.placed = pose.has_value();
     known.T_world_finger = pose ? std::optional(pose->T_world_finger) : std::nullopt;
     if (pose) {

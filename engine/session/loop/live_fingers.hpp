@@ -1,7 +1,7 @@
 // The sound of the transducers on the fingers that a loop follows (`run --transfer finger`).
 //
 // A thread beside the loop finds where a finger stands (finger_fit.hpp), and computes the sound g of each transducer at
-// the finger's foci (acoustics/bodies/tracked_finger.hpp). The equations of the finger's mesh are factored once, in its
+// the finger's foci (acoustics/bodies/moving_body.hpp). The equations of the finger's mesh are factored once, in its
 // own frame. The thread takes one finger at a time, the one that waits longest. It is idle while nothing touches.
 //
 // An answer is a factor for each transducer and focus,
@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "acoustics/air.hpp"
-#include "acoustics/bodies/tracked_finger.hpp"
+#include "acoustics/bodies/moving_body.hpp"
 #include "array/field/free_field.hpp"
 #include "array/layouts/layout.hpp"
 #include "geometry/mesh/mesh.hpp"
@@ -116,7 +116,7 @@ class LiveFingers final : public FingerSounds {
   sensing::Surroundings surroundings_;  ///< as of the loop's planner
   acoustics::Air air_;
   std::optional<sensing::RayTables> rays_;
-  std::optional<acoustics::TrackedFinger> finger_;
+  std::optional<acoustics::MovingBody> finger_;
   std::optional<FingerFit> fit_;
   std::vector<std::shared_ptr<const Known>> known_;
 

@@ -7,10 +7,10 @@
 
 #include "touch/contacts/contacts_twin.hpp"
 #include "touch/contacts/pixel_stride.hpp"
-#include "touch/fingers/follow_math.hpp"
 #include "touch/fingers/known.hpp"
 #include "touch/fingers/sections.hpp"
 #include "touch/fingers/sectors.hpp"
+#include "touch/fingers/steady_axes.hpp"
 
 namespace palpa::session {
 namespace {
@@ -22,25 +22,9 @@ constexpr double default_width_m = 25e-3;
 constexpr std::size_t enough_pixels = 3000;
 constexpr std::uint32_t most_stride = 3;
 
-shader::Float3 float3(const glm::vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 double square_apart(const Box& box, const glm::vec3& p) {
   const Vec3 way = Vec3(p) - glm::clamp(Vec3(p), box.low, box.high);
   return glm::dot(way, way);
-}
-
-/// The cross-section of a finger's contacts in the axes of another one of the same finger.
-void take_axes(const touch::CrossSection& from, touch::CrossSection& section) {
-  const touch::PrincipalAxes own{float3(section.axes[0]), float3(section.axes[1]), float3(section.axes[2]),
-                                 section.eigenvalues[0],  section.eigenvalues[1],  section.eigenvalues[2]};
-  const touch::Sym3 covariance = covariance_of(own);
-  const shader::Float3 w1 = float3(from.axes[0]), w2 = float3(from.axes[1]), w3 = float3(from.axes[2]);
-  const touch::Principal2 plane = principal_in_plane(covariance, w1, w2);
-  section.axes = from.axes;
-  section.turn = {plane.cosine, plane.sine};
-  section.eigenvalues = {plane.l1, plane.l2, std::max(0.0F, dot3(w3, times(covariance, w3)))};
 }
 
 }  // namespace
@@ -117,7 +101,7 @@ bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::Sk
   if (found.contact_count < touch::least_contacts(parameters.min_points, finger.holds)) return false;
   out.finger_count = 1;
   find_sections(out);
-  if (!found.point_like) take_axes(finger.section, found.section);
+  if (!found.point_like) take_axes(found.section, finger.section.axes);
   find_foci(parameters, solids_.foci_of, out);
   return true;
 }

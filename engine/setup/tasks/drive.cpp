@@ -69,7 +69,7 @@ array::Schedule slot_of_touch(const DriveTask& task, const array::Schedule& touc
 /// Refuses fingers that request a pressure together with options that a pressure replaces.
 void check_pressures(const DriveTask& task, const array::Schedule& touch) {
   for (const array::Voice& finger : touch.voices) {
-    if (finger.pressure_pa > 0)
+    if (finger.pressure_pa)
       refuse_beside_pressure(task.drive, fmt::format("finger {} of {} asks for a pressure", finger.id, task.touch));
   }
 }
@@ -77,7 +77,7 @@ void check_pressures(const DriveTask& task, const array::Schedule& touch) {
 /// Sets the pressure for each voice that does not request one itself.
 void ask_for_pressure(const FocusingOptions& drive, array::Schedule& schedule) {
   for (array::Voice& voice : schedule.voices) {
-    if (voice.pressure_pa == 0) voice.pressure_pa = drive.pressure_pa.value_or(0);
+    if (!voice.pressure_pa) voice.pressure_pa = drive.pressure_pa;
   }
 }
 
@@ -95,7 +95,7 @@ array::Drive drive_on_gpu(const gpu::Device& device, const array::Layout& layout
   return {drive.begin(), drive.end()};
 }
 
-std::vector<Vec3> aim(FingerInSound& finger, const std::vector<array::SlotFocus>& foci) {
+std::vector<Vec3> aim(BodyInSound& finger, const std::vector<array::SlotFocus>& foci) {
   std::vector<Vec3> places;
   places.reserve(foci.size());
   for (const array::SlotFocus& focus : foci)
@@ -105,7 +105,7 @@ std::vector<Vec3> aim(FingerInSound& finger, const std::vector<array::SlotFocus>
 
 /// The gain at each focus relative to the drive for free air.
 std::vector<double> gains_over(const array::DriveOptions& in_free_air, const array::Layout& layout,
-                               const FingerInSound& finger, const DriveResult& result) {
+                               const BodyInSound& finger, const DriveResult& result) {
   const array::Drive other = array::drive_for(layout, result.foci, in_free_air);
   const acoustics::FociPressure before = acoustics::pressure_at_foci(layout, other, result.foci, finger.sound);
   std::vector<double> gains;
@@ -119,7 +119,7 @@ std::vector<double> gains_over(const array::DriveOptions& in_free_air, const arr
 struct Computer {
   const gpu::Device* device = nullptr;      ///< an open device,
   const ComputeOptions* options = nullptr;  ///< or these options give it; neither: the processor
-  FingerInSound* finger = nullptr;          ///< on the processor; its transfer replaces free air
+  BodyInSound* finger = nullptr;            ///< on the processor; its transfer replaces free air
   std::string touch;                        ///< file of the foci, for messages
 };
 
@@ -314,16 +314,16 @@ DriveSpread spread_of_drive(const DriveResult& result, const MediumOptions& medi
   return ranges;
 }
 
-FingerInSound::FingerInSound(geometry::Mesh mesh, const array::Layout& layout, const FocusingOptions& drive)
+BodyInSound::BodyInSound(geometry::Mesh mesh, const array::Layout& layout, const FocusingOptions& drive)
     : body(std::move(mesh), air_of_solvers(drive).wave_number()),
       sound(body, layout, air_of_solvers(drive), drive.directivity),
       transducers(layout.transducers.size()) {}
 
-std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
-                                               const array::Layout& layout, const FocusingOptions& drive, bool force) {
+std::unique_ptr<BodyInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
+                                             const array::Layout& layout, const FocusingOptions& drive, bool force) {
   geometry::Mesh body = body_of(name, mesh, air_of_solvers(drive), force);
   acoustics::check_clear_of(name, body, layout);
-  return std::make_unique<FingerInSound>(std::move(body), layout, drive);
+  return std::make_unique<BodyInSound>(std::move(body), layout, drive);
 }
 
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
@@ -332,7 +332,7 @@ DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> 
 }
 
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
-                       FingerInSound& finger) {
+                       BodyInSound& finger) {
   return drive_foci(layout, foci, drive, {.finger = &finger});
 }
 
@@ -357,12 +357,12 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   ask_for_pressure(task.drive, schedule);
   DriveResult result;
   array::foci_of_slot(schedule, 0, result.foci);
-  std::unique_ptr<FingerInSound> finger;
+  std::unique_ptr<BodyInSound> finger;
   if (!task.mesh.empty()) {
     geometry::Mesh body = load_body(task.mesh, air_of_solvers(task.drive), task.force);
     acoustics::check_clear_of(task.mesh, body, layout);
     if (finger_read) finger_read();
-    finger = std::make_unique<FingerInSound>(std::move(body), layout, task.drive);
+    finger = std::make_unique<BodyInSound>(std::move(body), layout, task.drive);
     result.aimed = aim(*finger, result.foci);
   }
   drive_slot(layout, schedule, options,

@@ -81,26 +81,26 @@ struct DriveResult {
 std::string to_json(const DriveResult& result);
 
 /// A rigid finger in the sound of a layout's transducers, for drives that focus on it.
-struct FingerInSound {
+struct BodyInSound {
   /// `body` must come from body_of (setup/files/body.hpp) for this air, be clear of the array
   /// (acoustics::check_clear_of), and be in the layout's frame. `layout` must outlive this object. The air is that of
   /// `drive`, without absorption, as in the solvers.
-  FingerInSound(geometry::Mesh body, const array::Layout& layout, const FocusingOptions& drive);
-  FingerInSound(geometry::Mesh body, array::Layout&& layout, const FocusingOptions& drive) = delete;
-  FingerInSound(const FingerInSound&) = delete;  // `sound` refers to `body`
-  FingerInSound& operator=(const FingerInSound&) = delete;
+  BodyInSound(geometry::Mesh body, const array::Layout& layout, const FocusingOptions& drive);
+  BodyInSound(geometry::Mesh body, array::Layout&& layout, const FocusingOptions& drive) = delete;
+  BodyInSound(const BodyInSound&) = delete;  // `sound` refers to `body`
+  BodyInSound& operator=(const BodyInSound&) = delete;
 
   acoustics::RigidBody body;
   acoustics::FingerTransfer sound;
   std::size_t transducers;  ///< of its layout
 };
 /// The same with all checks, for a closed mesh that messages call `name`. Throws as load_body and check_clear_of do.
-std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
-                                               const array::Layout& layout, const FocusingOptions& drive,
-                                               bool force = false);
-std::unique_ptr<FingerInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
-                                               array::Layout&& layout, const FocusingOptions& drive,
-                                               bool force = false) = delete;
+std::unique_ptr<BodyInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
+                                             const array::Layout& layout, const FocusingOptions& drive,
+                                             bool force = false);
+std::unique_ptr<BodyInSound> finger_in_sound(const std::string& name, const geometry::Mesh& mesh,
+                                             array::Layout&& layout, const FocusingOptions& drive,
+                                             bool force = false) = delete;
 
 /// The drive of foci that sound together, computed on `device`, or on the processor if that is null;
 /// array/drive_pass.hpp says how closely they agree. Throws bad_usage as drive_options and schedule_of do, if there is
@@ -112,7 +112,7 @@ DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> 
 /// another size. `drive` need not request its transfer.
 /// Computed on the processor.
 DriveResult make_drive(const array::Layout& layout, std::span<const AskedFocus> foci, const FocusingOptions& drive,
-                       FingerInSound& finger);
+                       BodyInSound& finger);
 
 /// The sound of this drive at its foci in free air, for `count` arrays as built (array/layouts/as_built.hpp) in air of
 /// these options. Computed on all cores of the processor; a millisecond per draw of ten foci and a thousand

@@ -37,13 +37,13 @@ struct Patch {
 };
 
 /// The finger in the object, and its triangles whose middles are in the object's shell.
-struct PressedFinger {
+struct Pressed {
   geometry::Mesh mesh;
   std::vector<Patch> contacts;
 };
 
-PressedFinger press(const geometry::Mesh& finger, const std::vector<geometry::Solid>& solids) {
-  PressedFinger pressed{finger, {}};
+Pressed press(const geometry::Mesh& finger, const std::vector<geometry::Solid>& solids) {
+  Pressed pressed{finger, {}};
   double top = -std::numeric_limits<double>::infinity();
   for (const geometry::Solid& solid : solids)
     top = std::max(top, solid.bounds.high.y);
@@ -80,7 +80,7 @@ bool sees(const sensing::Camera& camera, const sensing::DepthFrame& image, const
 /// The contacts of one object, as every camera and all together see them.
 void check_object(std::size_t object, const geometry::Mesh& finger, sensing::SyntheticRig& rig, RigCheck& out) {
   const std::vector<geometry::Solid> solids = load_solids(find_asset(std::string(checked_objects[object]) + ".glb"));
-  const PressedFinger pressed = press(finger, solids);
+  const Pressed pressed = press(finger, solids);
   sensing::FrameSet seen;
   const sensing::Posed posed{&pressed.mesh, Transform(1.0), "the finger"};
   rig.render(std::span(&posed, 1), 0, seen);

@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint64_t for_any_planes = 2, for_any_surface = 4, for_any_parts = 7;
 constexpr std::size_t boxes_that_meet = 16;
 
-/// Covers only the cells that are looked up: plane_cell_depth() of contacts_planes.glsl skips those that are too deep.
+/// Covers only the cells that are looked up: plane_cell_depth() of contacts_math.h skips those that are too deep.
 std::uint64_t longest_of_planes(const PreparedSolids& solids, const shader::SolidRecord& record, float delta,
                                 bool deep) {
   const std::size_t cells = std::size_t{record.cells_per_axis} * record.cells_per_axis * record.cells_per_axis;

@@ -1,7 +1,5 @@
 #include "touch/contacts/contacts_twin.hpp"
 
-#include <algorithm>
-
 #include "shaders/touch/contacts/contacts_math.h"
 #include "shaders/touch/contacts/parts_depth.h"
 
@@ -14,29 +12,6 @@ bool inside(const Float3& p, const shader::vec4& low, const shader::vec4& high) 
   return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
 }
 
-/// The number of the cell in which a coordinate lies, for a box from `low` on.
-std::uint32_t along(float x, float low, float cells_per_metre, std::uint32_t per_axis) {
-  return std::min(static_cast<std::uint32_t>(std::max((x - low) * cells_per_metre, 0.0F)), per_axis - 1);
-}
-
-/// Eq. (1)'s depth below the nearest plane of a convex solid; 0 outside and, unless `deep`, if the cell lies deeper
-/// than delta. `p` is in the solid's box.
-float plane_cell_depth(const PreparedSolids& solids, const shader::SolidRecord& solid, const Float3& p, float delta,
-                       bool deep) {
-  const std::uint32_t axis = solid.cells_per_axis;
-  const std::uint32_t x = along(p.x, solid.low.x, solid.cells_per_metre.x, axis),
-                      y = along(p.y, solid.low.y, solid.cells_per_metre.y, axis),
-                      z = along(p.z, solid.low.z, solid.cells_per_metre.z, axis);
-  const shader::PlaneCell& cell = solids.cells[solid.first_cell + (z * axis + y) * axis + x];
-  if (cell.deepest <= 0 || (cell.shallowest >= delta && !deep)) return 0;
-  float depth = 3.0e38F;
-  for (std::uint32_t i = 0; i < cell.count && depth > 0; ++i) {
-    const shader::vec4& plane = solids.planes[cell.first + i];
-    depth = std::min(depth, shader::plane_depth({plane.x, plane.y, plane.z}, plane.w, p));
-  }
-  return std::max(depth, 0.0F);
-}
-
 struct Inside {
   float depth = 0;  // 0: outside, or of unknown depth
   bool shell = false;
@@ -44,24 +19,20 @@ struct Inside {
 
 Inside look(const PreparedSolids& solids, std::uint32_t solid, const Float3& point, const FingerOptions& parameters) {
   const shader::SolidRecord& record = solids.records[solid];
-  const Float3 p = shader::turned({record.turn.x, record.turn.y, record.turn.z}, record.turn.w,
-                                  shader::minus(point, {record.centre.x, record.centre.y, record.centre.z}));
+  const Float3 p = shader::in_solid(point, record.centre, record.turn);
   if (!inside(p, record.low, record.high)) return {};
   const float delta = record.delta > 0 ? record.delta : static_cast<float>(parameters.delta_m);
-  if (record.asked_by == shader::asked_by_parts) {
-    const std::uint32_t cell = shader::parts_cell(
-        p, {record.low.x, record.low.y, record.low.z},
-        {record.cells_per_metre.x, record.cells_per_metre.y, record.cells_per_metre.z}, record.cells_per_axis);
-    const float depth =
-        shader::parts_depth(solids.parts.data(), record.first_cell, cell, p, parameters.wants_deep() ? 3.0e38F : delta);
-    return {depth, depth > 0 && depth < delta};
-  }
+  const bool deep = parameters.wants_deep();
   if (record.asked_by == shader::asked_by_surface) {
     const geometry::Place place = geometry::find_place(solids.surfaces[solid], {p.x, p.y, p.z}, delta);
     if (place.region == geometry::Region::outside) return {};
     return {place.depth_m, place.region == geometry::Region::shell};
   }
-  const float depth = plane_cell_depth(solids, record, p, delta, parameters.wants_deep());
+  const std::uint32_t cell = shader::cell_of(p, record.low, record.cells_per_metre, record.cells_per_axis);
+  const float depth = record.asked_by == shader::asked_by_parts
+                          ? shader::parts_depth(solids.parts.data(), record.first_cell, cell, p, deep ? 3.0e38F : delta)
+                          : shader::plane_cell_depth(solids.cells.data(), solids.planes.data(),
+                                                     record.first_cell + cell, p, delta, deep);
   return {depth, depth > 0 && depth < delta};
 }
 

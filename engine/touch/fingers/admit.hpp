@@ -16,13 +16,13 @@
 
 namespace palpa::touch {
 
-/// What each finger that stays has to do with the fingers of the frame before.
-using ClaimList = std::array<Claim, max_fingers>;
+/// What goes on from the fingers of the frame before in each finger that stays.
+using Courses = std::array<Course, max_fingers>;
 
 /// Removes the clusters of `out`, and their `skins`, that are no fingers. Writes the frame's islands and the fingers
 /// that have ended to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the
 /// table.
-ClaimList admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, KnownFingers& table,
-                        Touch& out, FingerSkins& skins);
+Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, KnownFingers& table,
+                      Touch& out, FingerSkins& skins);
 
 }  // namespace palpa::touch

@@ -13,23 +13,22 @@ namespace {
 /// A cluster of contacts, which may be one patch of several.
 struct Patch {
   const SkinSamples* samples;
-  std::uint32_t known = known_none;  ///< most of its samples belong to this known finger
-  Float3 low{}, high{}, mean{};      ///< box and mean of its samples
+  WhichKnown known{};               ///< most of its samples belong to this known finger
+  glm::vec3 low{}, high{}, mean{};  ///< box and mean of its samples
 };
 
 Patch make_patch(const FingerSkin& skin) {
   Patch patch{&skin.samples, skin.known};
   if (skin.samples.empty()) return patch;
-  const Float3 first = skin.samples.front().position;
-  Float3 sum{0, 0, 0};
+  const glm::vec3 first = skin.samples.front().position;
+  glm::vec3 sum{0};
   patch.low = patch.high = first;
   for (const SkinSample& sample : skin.samples) {
-    const Float3& p = sample.position;
-    patch.low = lowest(patch.low, p);
-    patch.high = highest(patch.high, p);
-    sum = plus(sum, minus(p, first));
+    patch.low = glm::min(patch.low, sample.position);
+    patch.high = glm::max(patch.high, sample.position);
+    sum += sample.position - first;
   }
-  patch.mean = plus(first, scaled(sum, 1.0F / static_cast<float>(skin.samples.size())));
+  patch.mean = first + sum * (1.0F / static_cast<float>(skin.samples.size()));
   return patch;
 }
 
@@ -40,7 +39,7 @@ bool near_enough(const Patch& a, const Patch& b, float finger_width) {
 }
 
 /// Whether a camera has seen something clearly farther away in the direction of a place.
-bool is_seen_empty(const Sight& sight, const Float3& place) {
+bool is_seen_empty(const Sight& sight, const glm::vec3& place) {
   for (std::size_t c = 0; c < sight.cameras.size(); ++c) {
     const SightCamera& camera = sight.cameras[c];
     const Appearance at = appearance(camera, place);
@@ -86,16 +85,16 @@ Way way_across(const SkinSample& sample, const Patch& other) {
 }
 
 /// Whether both patches together are wider than a finger along the line from mean to mean.
-bool is_too_wide(const Patch& a, const Patch& b, const Float3& line, float finger_width) {
+bool is_too_wide(const Patch& a, const Patch& b, const glm::vec3& line, float finger_width) {
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
     for (const SkinSample& sample : *patch->samples) {
-      const float along = dot3(sample.position, line);
+      const float along = glm::dot(sample.position, line);
       low = std::min(low, along);
       high = std::max(high, along);
     }
   }
-  return high - low > finger_width * std::sqrt(dot3(line, line));
+  return high - low > finger_width * glm::length(line);
 }
 
 /// Whether the lines between contacts that face each other go through a finger: they enter the skin at both ends.
@@ -132,11 +131,11 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
   constexpr std::uint32_t first_step = 2, last_step = 6;
   std::uint32_t looked = 0, empty = 0;
   for (std::size_t s = 0; s < a.samples->size(); ++s) {
-    const Float3& from = (*a.samples)[s].position;
-    const Float3 way = minus((*b.samples)[(s * 37 + 11) % b.samples->size()].position, from);
+    const glm::vec3& from = (*a.samples)[s].position;
+    const glm::vec3 way = (*b.samples)[(s * 37 + 11) % b.samples->size()].position - from;
     for (std::uint32_t step = first_step; step <= last_step; ++step) {
       ++looked;
-      empty += is_seen_empty(sight, plus(from, scaled(way, static_cast<float>(step) * 0.125F))) ? 1 : 0;
+      empty += is_seen_empty(sight, from + way * (static_cast<float>(step) * 0.125F)) ? 1 : 0;
     }
   }
   // In 64ths.
@@ -146,7 +145,7 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
 Pair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {
   if (were_one) finger_width *= still_one;
   if (!near_enough(a, b, finger_width)) return {Pair::two};
-  if (is_too_wide(a, b, minus(b.mean, a.mean), finger_width)) return {Pair::two};
+  if (is_too_wide(a, b, b.mean - a.mean, finger_width)) return {Pair::two};
   const Pair pair = face(a, b, were_one);
   return pair.kind != Pair::two && is_empty_between(sight, a, b, were_one) ? Pair{Pair::two} : pair;
 }
@@ -208,20 +207,20 @@ void bridge_fingers(const Sight& sight, const FingerOptions& parameters, const K
   InplaceVector<Patch, max_fingers> patches;
   for (std::uint32_t f = 0; f < count; ++f) {
     patches.push_back(make_patch(skins[f]));
-    if (!known.has(known_together)) patches[f].known = known_none;
+    if (!known.rules.together) patches[f].known = {};
   }
   Joining joining(count);
   const auto width = static_cast<float>(parameters.finger_width_m);
   for (std::uint32_t a = 0; a < count; ++a) {
     for (std::uint32_t b = a + 1; b < count; ++b) {
       // Patches of a known finger stay one more easily, until it has looked like several fingers before.
-      const bool same = patches[a].known != known_none && patches[a].known == patches[b].known;
-      const bool were_one = same && !known.may_part(patches[a].known);
+      const bool same = patches[a].known && patches[a].known == patches[b].known;
+      const bool were_one = same && !known.may_part(*patches[a].known);
       Pair& pair = joining.pair(a, b);
       pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
                                                           : Pair{Pair::two};
       if (!same || pair.kind == Pair::one) continue;
-      known.doubt(patches[a].known, doubt_one);
+      known.doubt(*patches[a].known, {.several = true});
       if (were_one && !patches[a].samples->empty() && !patches[b].samples->empty()) pair = {Pair::one, held};
     }
   }

@@ -24,9 +24,9 @@ Fingers::Fingers(const StageSetting& setting, std::span<const sensing::Camera> c
 }
 
 FingerReach Fingers::next(double time_s) {
-  elapsed_us_ = tracks_ ? tracks_->clock.elapsed_us(time_s) : 0;
-  has_before_ = known_ && elapsed_us_ <= setting_.memory_us();
-  return {has_before_ ? &known_->reach : nullptr, elapsed_us_};
+  if (tracks_) elapsed_us_ = tracks_->clock.elapsed_us(time_s);
+  has_before_ = known_ && elapsed_us_ && *elapsed_us_ <= setting_.memory_us();
+  return {has_before_ ? &known_->reach : nullptr, elapsed_us_.value_or(0)};
 }
 
 void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOptions& parameters, Touch& out,
@@ -34,16 +34,16 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOpti
   PassWatch watch(times);
   const bool cameras = !cameras_.empty();
   const Sight sight{cameras_, tables_, images};
-  ClaimList claims{};
+  Courses courses{};
   if (setting_.looks_again(cameras)) {
-    const Known known{elapsed_us_, known_ ? setting_.hysteresis_rules : 0U, has_before_ ? known_.get() : nullptr,
+    const Known known{elapsed_us_.value_or(0), known_ ? setting_.rules : no_rules, has_before_ ? known_.get() : nullptr,
                       static_cast<float>(parameters.finger_width_m)};
     split_fingers(sight, parameters, known, out, skins_, split_work_);
     watch.mark("split");
     bridge_fingers(sight, parameters, known, out, skins_);
     watch.mark("bridge");
     if (known_) {
-      claims = admit_fingers(sight, parameters, known, *known_, out, skins_);
+      courses = admit_fingers(sight, parameters, known, *known_, out, skins_);
       watch.mark("admit");
     }
   }
@@ -54,7 +54,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOpti
     watch.mark("follow");
   }
   if (known_) {
-    keep_fingers(skins_, parameters, *tracks_, claims, setting_.hysteresis_rules, out, *known_);
+    keep_fingers(skins_, parameters, *tracks_, courses, setting_.rules, out, *known_);
     watch.mark("keep");
   }
   find_foci(parameters, solids_.foci_of, out);

@@ -66,9 +66,9 @@ class Fingers {
   std::vector<SightCamera> cameras_;
   std::optional<Tracks> tracks_;
   std::optional<Homes> homes_;
-  std::unique_ptr<KnownFingers> known_;  // the fingers of the frame before; null unless they decide
-  std::uint32_t elapsed_us_ = 0;         // from the frame before to this one
-  bool has_before_ = false;              // whether `known_` is of the frame before
+  std::unique_ptr<KnownFingers> known_;      // the fingers of the frame before; null unless they decide
+  std::optional<std::uint32_t> elapsed_us_;  // from the frame before to this one
+  bool has_before_ = false;                  // whether `known_` is of the frame before
   FingerSkins skins_;
   SplitWork split_work_;
   std::vector<std::uint32_t> places_;  // scratch

@@ -5,43 +5,113 @@
 #include <span>
 #include <utility>
 
+#include "base/inplace_vector.hpp"
 #include "shaders/touch/contacts/reach.h"
-#include "touch/fingers/follow_math.hpp"
 #include "touch/fingers/members.hpp"
+#include "touch/fingers/steady_axes.hpp"
 
 namespace palpa::touch {
 namespace {
 
-constexpr std::uint32_t most = follow_most_tracks;
-constexpr std::uint32_t none = follow_none;
+/// A finger that has merged into another's cluster is remembered for this time.
+constexpr std::uint32_t merged_memory_us = 1000000;
 
-shader::vec4 vec4(const Float3& v, float w = 0) {
-  return {v.x, v.y, v.z, w};
+constexpr float near_m = 0.009F;        // a finger is found within this distance of where it is expected,
+constexpr float surprise_mps = 1.0F;    // plus this much per second since the frame before: 20 mm at 90 Hz,
+constexpr float drift_mps = 0.05F;      // plus this much per second that it was not seen
+constexpr float velocity_s = 0.03F;     // velocities adapt within this time
+constexpr float new_finger = 2.0F;      // cost of taking a finger for a new one, in squared reaches
+constexpr float second_class = 1.0F;    // a candidate that was not seen in the frame before yields to one that was
+constexpr float out_of_reach = 1.0e6F;  // marks a pair that is never matched
+constexpr float no_cost_yet = 1.0e9F;
+
+/// The largest distance of a finger from where it is expected.
+float reach_of(float frame_s, float unseen_s, float stray) {
+  return near_m + surprise_mps * frame_s + drift_mps * unseen_s + stray;
 }
 
-PrincipalAxes axes_of(const Finger& finger) {
-  const CrossSection& s = finger.section;
-  return {float3(s.axes[0]), float3(s.axes[1]), float3(s.axes[2]),
-          s.eigenvalues[0],  s.eigenvalues[1],  s.eigenvalues[2]};
+/// Factor from a position error to a change of velocity: 1 / (the time that the error took + velocity_s). Two frames of
+/// the same time give no change.
+float velocity_gain(float over_s) {
+  return over_s > 0 ? 1 / (over_s + velocity_s) : 0;
 }
-Sym3 spread_of(const Track& t) {
-  return {t.spread_a.x, t.spread_a.y, t.spread_a.z, t.spread_a.w, t.spread_b.x, t.spread_b.y};
-}
+
+using Index = std::optional<std::uint32_t>;
 
 /// A track as it was, and extrapolated to this frame.
 struct Candidate {
   Track old{};
   bool alive = false;
   std::uint32_t unseen_us = 0;
-  Float3 place{}, velocity{};
+  glm::vec3 place{}, velocity{};
   float reach = 0, penalty = 0, stray = 0;
-  std::uint32_t row = none;    ///< the finger that continues it
-  std::uint32_t owner = none;  ///< that finger, or the one whose cluster it is in
+  Index row{};    ///< the finger that continues it
+  Index owner{};  ///< that finger, or the one whose cluster it is in
   bool merged = false, seen = false;
   bool stays = false;  ///< remembered, but without its own finger
+
+  float weight() const { return static_cast<float>(old.contacts); }
+  bool rides_with(std::uint32_t finger) const { return merged && owner == finger; }
+  /// Whether a finger's foci may continue from where they were: the finger was in the frame before, however long ago
+  /// that is, or was missing for no longer than it coasts, and the data kept of its foci is its own.
+  bool glides_on() const { return !old.left_home && (old.unseen_us == 0 || unseen_us <= coasting_us); }
 };
 
-/// One frame's work.
+// ---- merged clusters ----
+
+float trace_of(const glm::mat3& m) {
+  return m[0][0] + m[1][1] + m[2][2];
+}
+
+/// Whether a cluster of this covariance looks like more than one finger, whose covariance alone was `alone`.
+bool looks_merged(const glm::mat3& cluster, const glm::mat3& alone) {
+  return trace_of(cluster) > 1.3F * trace_of(alone);
+}
+
+/// Squared distance from a cluster's centroid in units of its ellipsoid: two standard deviations and 4 mm.
+float inside_square(const CrossSection& cluster, const glm::vec3& from_centroid) {
+  glm::vec3 e;
+  for (int k = 0; k < 3; ++k) {
+    const float reach = 2 * std::sqrt(cluster.eigenvalues[static_cast<std::size_t>(k)]) + 0.004F;
+    e[k] = glm::dot(cluster.axes[static_cast<std::size_t>(k)], from_centroid) / reach;
+  }
+  return glm::dot(e, e);
+}
+
+/// Keeps a merged finger within its cluster: at most 0.8 of the ellipsoid from the centroid.
+glm::vec3 kept_inside(const CrossSection& cluster, const glm::vec3& from_centroid) {
+  const float square = inside_square(cluster, from_centroid);
+  return square <= 0.64F ? from_centroid : from_centroid * (0.8F / std::sqrt(square));
+}
+
+/// The estimate of the way from one finger to the other from the shape of their cluster.
+struct Parting {
+  glm::vec3 correction{0};  ///< to the expected way
+  float trust = 0;          ///< 0: the two are too near to be distinguished; 1: clearly apart
+};
+
+/// A finger's share of the contacts of its cluster, and its covariance alone.
+struct Alone {
+  float share;
+  const glm::mat3& covariance;
+};
+
+/// The cluster's covariance is that of the two alone plus a.share b.share r r^T. One step of power iteration from the
+/// expected r gives r with its sign kept.
+Parting parting_of(const glm::mat3& cluster, const Alone& a, const Alone& b, const glm::vec3& expected) {
+  const glm::mat3 excess = cluster - a.share * a.covariance - b.share * b.covariance;
+  const float single = 0.5F * (a.share * trace_of(a.covariance) + b.share * trace_of(b.covariance));
+  const float length_square = glm::dot(expected, expected);
+  if (!(length_square > 1.0e-12F) || !(single > 0)) return {};
+  const glm::vec3 along = excess * expected;
+  const float variance = glm::dot(expected, along) / length_square;
+  if (!(variance > 0)) return {};
+  const glm::vec3 seen = along * (1 / std::sqrt(a.share * b.share * variance * length_square));
+  return {seen - expected, std::clamp(glm::dot(seen, seen) / single - 1, 0.0F, 1.0F)};
+}
+
+// ---- one frame ----
+
 struct Follow {
   std::span<Finger> fingers;
   std::uint32_t elapsed_us;
@@ -50,10 +120,10 @@ struct Follow {
   float frame_s = shader::seconds_of(elapsed_us);
   float scale = reach_of(frame_s, 0, 0);
   std::uint32_t known = 0;
-  std::array<Candidate, most> candidates{};
+  std::array<Candidate, Tracks::most> candidates{};
   std::array<float, max_fingers> birth_cost{};
-  std::array<std::uint32_t, max_fingers> track_of{};
-  std::array<bool, most> home_taken{};
+  std::array<Index, max_fingers> track_of{};
+  std::array<bool, Tracks::most> home_taken{};
 
   std::span<Candidate> tracks() { return std::span(candidates).first(known); }
 
@@ -63,9 +133,12 @@ struct Follow {
   void assign();
   void merge();
   void move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers);
+  void part(const glm::mat3& cluster, float total, Candidate& track, Candidate& other) const;
   void choose_who_stays();
-  Float3 joined(std::uint32_t finger, const Tracks& all) const;
-  Track followed(std::uint32_t finger, std::uint32_t new_id, std::uint32_t new_home, const Float3& joined);
+  glm::vec3 joined(std::uint32_t finger, const Tracks& all) const;
+  Track followed(std::uint32_t finger, std::uint32_t new_id, std::uint32_t new_home, const glm::vec3& joined);
+  void go_on(std::uint32_t finger, Candidate& track, Track& now);
+  void turn(CrossSection& section, const Candidate* before) const;
 };
 
 void Follow::move_on(const Tracks& before) {
@@ -74,21 +147,24 @@ void Follow::move_on(const Tracks& before) {
     Candidate& c = candidates[t];
     c.old = before.tracks[t];
     c.unseen_us = us_after(c.old.unseen_us, elapsed_us);
-    const bool carried = c.old.carrier != none;
-    c.alive = c.unseen_us <= memory_of(carried, memory_us);
+    const bool carried = c.old.carrier.has_value();
+    c.alive = c.unseen_us <= (carried ? std::max(merged_memory_us, memory_us) : memory_us);
     const std::uint32_t coasts_us = std::min(c.unseen_us, coasting_us) - std::min(c.old.unseen_us, coasting_us);
-    c.velocity = float3(c.old.velocity);
-    c.place = moved(float3(c.old.place), c.velocity, carried ? frame_s : shader::seconds_of(coasts_us));
-    c.reach = reach_of(frame_s, shader::seconds_of(c.old.unseen_us), c.old.place.w);
+    c.velocity = c.old.velocity;
+    c.place = c.old.place + c.velocity * (carried ? frame_s : shader::seconds_of(coasts_us));
+    c.reach = reach_of(frame_s, shader::seconds_of(c.old.unseen_us), c.old.stray);
     c.penalty = c.old.unseen_us == 0 && !carried ? 0 : second_class;
   }
 }
 
+/// Cost of matching a finger with a track: the squared distance, in reaches of a track that was just seen; out_of_reach
+/// if it is farther than the track's own reach. Columns beyond the tracks are births.
 float Follow::cost_of(std::uint32_t finger, std::uint32_t column) const {
-  if (column >= most) return column - most == finger ? birth_cost[finger] : out_of_reach;
+  if (column >= Tracks::most) return column - Tracks::most == finger ? birth_cost[finger] : out_of_reach;
   const Candidate& c = candidates[column];
   if (!c.alive || c.old.solid != fingers[finger].solid) return out_of_reach;
-  return follow_cost(float3(fingers[finger].section.centroid), c.place, c.reach, scale, c.penalty);
+  const float square = square_apart(fingers[finger].section.centroid, c.place);
+  return square > c.reach * c.reach ? out_of_reach : square / (scale * scale) + c.penalty;
 }
 
 /// If a remembered finger fits, a birth costs more than that finger.
@@ -105,209 +181,221 @@ void Follow::find_birth_costs() {
 
 /// Finds the least sum of costs with the Hungarian method by shortest augmenting paths. Rows are fingers; columns are
 /// tracks and births. If costs are equal, the first column wins: track 0, birth 0, track 1, ...
-void Follow::assign() {
-  const auto count = static_cast<std::uint32_t>(fingers.size());
-  constexpr std::uint32_t columns = most + max_fingers;
-  std::array<float, max_fingers> row_price{};
-  std::array<float, columns> price{};
-  std::array<std::uint32_t, columns> row_of{}, way{}, order{};
-  row_of.fill(none);
-  std::uint32_t width = 0;
-  for (std::uint32_t t = 0; t < std::max(known, count); ++t) {
-    if (t < known) order[width++] = t;
-    if (t < count) order[width++] = most + t;
-  }
-  for (std::uint32_t finger = 0; finger < count; ++finger) {
-    std::array<float, columns> least{};
-    least.fill(no_cost_yet);
-    std::array<bool, columns> visited{};
-    std::uint32_t current = none, row = finger;
-    while (row != none) {
-      float best = no_cost_yet;
-      std::uint32_t best_column = none;
-      for (const std::uint32_t column : std::span(order).first(width)) {
-        if (visited[column]) continue;
-        const float reduced = cost_of(row, column) - row_price[row] - price[column];
-        if (reduced < least[column]) {
-          least[column] = reduced;
-          way[column] = current;
-        }
-        if (least[column] < best) {
-          best = least[column];
-          best_column = column;
-        }
-      }
-      for (const std::uint32_t column : std::span(order).first(width)) {
-        if (visited[column]) {
-          row_price[row_of[column]] += best;
-          price[column] -= best;
-        } else {
-          least[column] -= best;
-        }
-      }
-      row_price[finger] += best;
-      current = best_column;
-      visited[current] = true;
-      row = row_of[current];
+class Assignment {
+ public:
+  explicit Assignment(const Follow& follow)
+      : follow_(follow), count_(static_cast<std::uint32_t>(follow.fingers.size())) {
+    for (std::uint32_t t = 0; t < std::max(follow.known, count_); ++t) {
+      if (t < follow.known) order_.push_back(t);
+      if (t < count_) order_.push_back(Tracks::most + t);
     }
-    while (current != none) {
-      const std::uint32_t before = way[current];
-      row_of[current] = before == none ? finger : row_of[before];
+    for (std::uint32_t finger = 0; finger < count_; ++finger)
+      find_path(finger);
+  }
+  /// The finger of a column.
+  Index row_of(std::uint32_t column) const { return row_of_[column]; }
+
+ private:
+  static constexpr std::uint32_t columns = Tracks::most + max_fingers;
+
+  /// The shortest path from a finger to a column without one. Each finger on it moves to the next column.
+  void find_path(std::uint32_t finger) {
+    least_.fill(no_cost_yet);
+    visited_ = {};
+    Index current, row = finger;
+    while (row) {
+      look_from(*row, current);
+      current = nearest_;
+      row_price_[finger] += best_;
+      visited_[nearest_] = true;
+      row = row_of_[nearest_];
+    }
+    while (current) {
+      const Index before = way_[*current];
+      row_of_[*current] = before ? row_of_[*before] : finger;
       current = before;
     }
   }
-  track_of.fill(none);
+
+  /// Finds the nearest column that is not visited, from a row at which column `current` led, and lowers all costs by
+  /// its.
+  void look_from(std::uint32_t row, const Index& current) {
+    best_ = no_cost_yet;
+    for (const std::uint32_t column : order_) {
+      if (visited_[column]) continue;
+      const float reduced = follow_.cost_of(row, column) - row_price_[row] - price_[column];
+      if (reduced < least_[column]) {
+        least_[column] = reduced;
+        way_[column] = current;
+      }
+      if (least_[column] < best_) {
+        best_ = least_[column];
+        nearest_ = column;
+      }
+    }
+    for (const std::uint32_t column : order_) {
+      if (visited_[column]) {
+        row_price_[*row_of_[column]] += best_;
+        price_[column] -= best_;
+      } else {
+        least_[column] -= best_;
+      }
+    }
+  }
+
+  const Follow& follow_;
+  std::uint32_t count_;
+  InplaceVector<std::uint32_t, columns> order_;
+  std::array<float, max_fingers> row_price_{};
+  std::array<float, columns> price_{}, least_{};
+  std::array<Index, columns> row_of_{}, way_{};
+  std::array<bool, columns> visited_{};
+  float best_ = 0;             ///< the least cost found,
+  std::uint32_t nearest_ = 0;  ///< and its column
+};
+
+void Follow::assign() {
+  const Assignment assignment(*this);
   for (std::uint32_t t = 0; t < known; ++t) {
-    candidates[t].row = candidates[t].owner = row_of[t];
-    if (row_of[t] != none) track_of[row_of[t]] = t;
+    const Index row = candidates[t].row = candidates[t].owner = assignment.row_of(t);
+    if (row) track_of[*row] = t;
   }
 }
 
 /// For tracks without a finger: finds the cluster into which they have merged.
 void Follow::merge() {
   for (Candidate& c : tracks()) {
-    if (c.row != none || !c.alive) continue;
-    if (c.old.carrier == none && c.old.unseen_us > coasting_us) continue;
-    if (c.old.carrier < known) c.owner = candidates[c.old.carrier].row;
+    if (c.row || !c.alive) continue;
+    if (!c.old.carrier && c.old.unseen_us > coasting_us) continue;
+    if (c.old.carrier && *c.old.carrier < known) c.owner = candidates[*c.old.carrier].row;
     float best = 1;
     for (std::uint32_t f = 0; f < fingers.size(); ++f) {
       if (fingers[f].solid != c.old.solid) continue;
-      const float square = inside_square(axes_of(fingers[f]), minus(c.place, float3(fingers[f].section.centroid)));
+      const float square = inside_square(fingers[f].section, c.place - fingers[f].section.centroid);
       if (square < best) {
         best = square;
         c.owner = f;
       }
     }
-    c.merged = c.owner != none;
+    c.merged = c.owner.has_value();
   }
 }
 
 void Follow::choose_who_stays() {
-  std::size_t room = most - fingers.size();
+  std::size_t room = Tracks::most - fingers.size();
   for (Candidate& c : tracks()) {
-    c.stays = c.row == none && c.alive && (c.merged || c.unseen_us <= memory_us) && room > 0;
+    c.stays = !c.row && c.alive && (c.merged || c.unseen_us <= memory_us) && room > 0;
     if (c.stays) --room;
-    if (c.stays || c.row != none) home_taken[c.old.home] = true;
+    if (c.stays || c.row) home_taken[c.old.home] = true;
   }
 }
 
+/// Moves a track and the passengers of its cluster so that their mean is the cluster's centroid.
 void Follow::move_cluster(std::uint32_t finger, Candidate& track, std::uint32_t passengers) {
-  const PrincipalAxes axes = axes_of(fingers[finger]);
-  const Float3 found = float3(fingers[finger].section.centroid);
-  const Sym3 cluster = covariance_of(axes);
-  const float gain = velocity_gain(frame_s);
-  const auto weight = [](const Candidate& c) { return static_cast<float>(c.old.contacts); };
-  const auto is_member = [&](const Candidate& c) { return &c == &track || (c.merged && c.owner == finger); };
-  float total = weight(track);
+  const CrossSection& section = fingers[finger].section;
+  const glm::mat3 cluster = covariance_of(section);
+  const auto is_member = [&](const Candidate& c) { return &c == &track || c.rides_with(finger); };
+  float total = track.weight();
   Candidate* other = &track;
   for (Candidate& c : tracks()) {
-    if (!c.merged || c.owner != finger) continue;
-    total += weight(c);
+    if (!c.rides_with(finger)) continue;
+    total += c.weight();
     other = &c;
   }
-  Float3 mean{0, 0, 0};
+  glm::vec3 mean{0};
   for (const Candidate& c : tracks()) {
-    if (is_member(c)) mean = moved(mean, c.place, weight(c) / total);
+    if (is_member(c)) mean += c.place * (c.weight() / total);
   }
-  const Float3 shift = minus(found, mean);
+  const glm::vec3 shift = section.centroid - mean;
   for (Candidate& c : tracks()) {
     if (!is_member(c)) continue;
-    c.place = moved(c.place, shift, 1);
-    c.velocity = moved(c.velocity, shift, gain);
+    c.place += shift;
+    c.velocity += shift * velocity_gain(frame_s);
   }
-  if (passengers == 1) {
-    const float share = weight(track) / total, other_share = weight(*other) / total;
-    const Parting parting = parting_of(cluster, spread_of(track.old), spread_of(other->old), share, other_share,
-                                       minus(other->place, track.place));
-    const float part = 0.5F * parting.trust;
-    const float back = other_share * part, on = share * part;
-    track.place = moved(track.place, parting.correction, -back);
-    other->place = moved(other->place, parting.correction, on);
-    track.velocity = moved(track.velocity, parting.correction, -back * gain);
-    other->velocity = moved(other->velocity, parting.correction, on * gain);
-  }
-  const bool looks = looks_merged(cluster, spread_of(track.old));
+  if (passengers == 1) part(cluster, total, track, *other);
+  const bool looks = looks_merged(cluster, track.old.covariance);
   for (Candidate& c : tracks()) {
     if (!is_member(c)) continue;
-    const Float3 offset = kept_inside(axes, minus(c.place, found));
-    c.place = moved(found, offset, 1);
-    c.stray = std::sqrt(dot3(offset, offset));
+    const glm::vec3 offset = kept_inside(section, c.place - section.centroid);
+    c.place = section.centroid + offset;
+    c.stray = glm::length(offset);
     c.seen = looks;
   }
 }
 
-/// Zero for a finger that is nearly where it is expected, or was not in the frame before.
-Float3 Follow::joined(std::uint32_t f, const Tracks& all) const {
-  const std::uint32_t t = track_of[f];
-  if (t == none || t >= all.skin_before.fingers) return {0, 0, 0};
-  const Candidate& track = candidates[t];
-  constexpr float near = 0.3e-3F;
-  if (square_apart(float3(fingers[f].section.centroid), track.place) <= near * near) return {0, 0, 0};
-  return moved_by_members(all.skin_before.places[t], all.skin.places[f], minus(track.place, float3(track.old.place)));
+/// Corrects the way between the two fingers of a cluster.
+void Follow::part(const glm::mat3& cluster, float total, Candidate& track, Candidate& other) const {
+  const float share = track.weight() / total, other_share = other.weight() / total;
+  const auto [correction, trust] = parting_of(cluster, {share, track.old.covariance},
+                                              {other_share, other.old.covariance}, other.place - track.place);
+  const float part = 0.5F * trust, back = other_share * part, on = share * part, gain = velocity_gain(frame_s);
+  track.place -= correction * back;
+  other.place += correction * on;
+  track.velocity -= correction * (back * gain);
+  other.velocity += correction * (on * gain);
 }
 
-Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home, const Float3& joined) {
+/// Zero for a finger that is nearly where it is expected, or was not in the frame before.
+glm::vec3 Follow::joined(std::uint32_t f, const Tracks& all) const {
+  const Index t = track_of[f];
+  if (!t || *t >= all.skin_before.fingers) return glm::vec3(0);
+  const Candidate& track = candidates[*t];
+  constexpr float near = 0.3e-3F;
+  if (square_apart(fingers[f].section.centroid, track.place) <= near * near) return glm::vec3(0);
+  return moved_by_members(all.skin_before.places[*t], all.skin.places[f], track.place - track.old.place);
+}
+
+/// What a track that goes on in a finger keeps.
+void Follow::go_on(std::uint32_t f, Candidate& track, Track& now) {
+  now.id = track.old.id;
+  now.home = track.old.home;
+  if (track.glides_on()) now.since_us = track.unseen_us;
+  const auto passengers =
+      static_cast<std::uint32_t>(std::ranges::count_if(tracks(), [&](const Candidate& c) { return c.rides_with(f); }));
+  if (passengers == 0) {
+    const glm::vec3 surprise = now.place - now.joined - track.place;
+    track.velocity += surprise * velocity_gain(shader::seconds_of(track.unseen_us));
+  } else {
+    move_cluster(f, track, passengers);
+    now.contacts = track.old.contacts;
+    now.covariance = track.old.covariance;
+    now.place = track.place;
+    now.stray = track.stray;
+  }
+  now.velocity = track.velocity;
+}
+
+/// Turns a section's principal axes to steady ones.
+void Follow::turn(CrossSection& section, const Candidate* before) const {
+  if (before && before->old.has_axes) {
+    take_steady_axes(section, before->old.axis1, before->old.axis3, shader::seconds_of(before->unseen_us));
+  } else {
+    take_first_axes(section);
+  }
+}
+
+Track Follow::followed(std::uint32_t f, std::uint32_t new_id, std::uint32_t new_home, const glm::vec3& joined) {
   Finger& finger = fingers[f];
-  CrossSection& section = finger.section;
-  const PrincipalAxes axes = axes_of(finger);
-  const Sym3 spread = covariance_of(axes);
-  const Float3 lean = float3(section.lean);
-  Track t{};
-  t.id = new_id;
-  t.home = new_home;
-  t.since_us = follow_restart;
-  t.solid = finger.solid;
-  t.carrier = none;
-  t.contacts = static_cast<std::uint32_t>(finger.contacts.size());
-  t.joined = joined;
-  t.flags = finger.point_like ? 0 : track_has_axes;
-  t.place = vec4(float3(section.centroid));
-  t.axis1 = vec4(axes.w1, axes.l1);
-  t.axis3 = vec4(axes.w3, axes.l3);
-  t.spread_a = {spread.xx, spread.xy, spread.xz, spread.yy};
-  t.spread_b = {spread.yz, spread.zz, 0, 0};
-  Steady turned{axes, 1, 0};
-  bool has_frame = false;
-  if (track_of[f] != none) {
-    Candidate& track = candidates[track_of[f]];
-    t.home = track.old.home;
-    if (glides_on(track.old.flags, track.old.unseen_us, track.unseen_us)) t.since_us = track.unseen_us;
-    const float since_s = shader::seconds_of(track.unseen_us);
-    const auto passengers = static_cast<std::uint32_t>(
-        std::count_if(tracks().begin(), tracks().end(), [&](const Candidate& c) { return c.merged && c.owner == f; }));
-    t.id = track.old.id;
-    if (passengers == 0) {
-      const Float3 surprise = minus(minus(float3(section.centroid), joined), track.place);
-      track.velocity = moved(track.velocity, surprise, velocity_gain(since_s));
-    } else {
-      move_cluster(f, track, passengers);
-      t.contacts = track.old.contacts;
-      t.spread_a = track.old.spread_a;
-      t.spread_b = track.old.spread_b;
-      t.place = vec4(track.place, track.stray);
-    }
-    t.velocity = vec4(track.velocity);
-    const bool had_axes = (track.old.flags & track_has_axes) != 0;
-    if (had_axes && finger.point_like) {
-      t.flags = track_has_axes;
-      t.axis1 = track.old.axis1;
-      t.axis3 = track.old.axis3;
-    } else if (had_axes) {
-      has_frame = true;
-      if (steady) turned = steady_axes(axes, lean, float3(track.old.axis1), float3(track.old.axis3), since_s);
-    }
+  Candidate* const before = track_of[f] ? &candidates[*track_of[f]] : nullptr;
+  Track now{.id = new_id,
+            .solid = finger.solid,
+            .home = new_home,
+            .place = finger.section.centroid,
+            .has_axes = !finger.point_like,
+            .contacts = static_cast<std::uint32_t>(finger.contacts.size()),
+            .covariance = covariance_of(finger.section),
+            .joined = joined};
+  if (before) go_on(f, *before, now);
+  if (steady && !finger.point_like) turn(finger.section, before);
+  now.axis1 = finger.section.axes[0];
+  now.axis3 = finger.section.axes[2];
+  if (finger.point_like && before && before->old.has_axes) {
+    now.has_axes = true;
+    now.axis1 = before->old.axis1;
+    now.axis3 = before->old.axis3;
   }
-  if (steady && !finger.point_like) {
-    if (!has_frame) turned = first_axes(axes, lean);
-    const PrincipalAxes& a = turned.axes;
-    t.axis1 = vec4(a.w1, a.l1);
-    t.axis3 = vec4(a.w3, a.l3);
-    section.axes = {to_vec(a.w1), to_vec(a.w2), to_vec(a.w3)};
-    section.eigenvalues = {a.l1, a.l2, a.l3};
-    section.turn = {turned.cosine, turned.sine};
-  }
-  finger.id = t.id;
-  return t;
+  finger.id = now.id;
+  return now;
 }
 
 /// Keeps the places of the fingers' contacts, and of those of the frame before.
@@ -315,7 +403,7 @@ void keep_skin(const Touch& touch, Tracks& tracks) {
   std::swap(tracks.skin, tracks.skin_before);
   tracks.skin.fingers = touch.finger_count;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    std::vector<Float3>& places = tracks.skin.places[f];
+    std::vector<glm::vec3>& places = tracks.skin.places[f];
     const std::vector<std::uint32_t>& contacts = touch.fingers[f].contacts;
     places.clear();
     if (places.capacity() < contacts.size()) {  // more, so that it does not grow again in each frame with a few more
@@ -323,26 +411,25 @@ void keep_skin(const Touch& touch, Tracks& tracks) {
         skin->places[f].reserve(std::max<std::size_t>(2 * contacts.size(), 1024));
     }
     for (const std::uint32_t i : contacts)
-      places.push_back(float3(touch.contacts[i].position));
+      places.push_back(touch.contacts[i].position);
   }
 }
 
 }  // namespace
 
-std::uint32_t FrameClock::elapsed_us(double time_s) {
-  const double elapsed = last_s_ ? (time_s - *last_s_) * 1e6 : 0;
-  const bool first = !last_s_;
-  last_s_ = time_s;
-  if (first) return follow_restart;
+std::optional<std::uint32_t> FrameClock::elapsed_us(double time_s) {
+  const std::optional<double> last_s = std::exchange(last_s_, time_s);
+  if (!last_s) return {};
+  const double elapsed = (time_s - *last_s) * 1e6;
   constexpr double forever = 4e9;
   return static_cast<std::uint32_t>(elapsed >= 0 && elapsed < forever ? std::llround(elapsed) : std::llround(forever));
 }
 
-void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting& setting, Touch& touch) {
-  Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us == follow_restart ? 0 : elapsed_us,
-                setting.memory_us(), setting.axes == Axes::steady};
-  if (elapsed_us == follow_restart) tracks.count = 0;
-  if (elapsed_us == follow_restart) tracks.skin.fingers = 0;
+void follow_fingers(Tracks& tracks, std::optional<std::uint32_t> elapsed_us, const StageSetting& setting,
+                    Touch& touch) {
+  Follow follow{std::span(touch.fingers).first(touch.finger_count), elapsed_us.value_or(0), setting.memory_us(),
+                setting.axes == Axes::steady};
+  if (!elapsed_us) tracks.count = tracks.skin.fingers = 0;
   keep_skin(touch, tracks);
   follow.move_on(tracks);
   follow.find_birth_costs();
@@ -350,13 +437,12 @@ void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting
   follow.merge();
   follow.choose_who_stays();
   tracks.count = 0;
-  const bool members = (setting.hysteresis_rules & known_members) != 0;
   std::uint32_t home = 0;  // the first home that may be free
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
-    const bool born = follow.track_of[f] == none;
+    const bool born = !follow.track_of[f];
     while (born && follow.home_taken[home])
       ++home;
-    const Float3 joined = members ? follow.joined(f, tracks) : Float3{0, 0, 0};
+    const glm::vec3 joined = setting.rules.members ? follow.joined(f, tracks) : glm::vec3(0);
     tracks.tracks[tracks.count++] = follow.followed(f, tracks.next_id, home, joined);
     if (!born) continue;
     ++tracks.next_id;
@@ -365,11 +451,12 @@ void follow_fingers(Tracks& tracks, std::uint32_t elapsed_us, const StageSetting
   for (const Candidate& c : follow.tracks()) {
     if (!c.stays) continue;
     Track& t = tracks.tracks[tracks.count++] = c.old;
-    t.carrier = c.merged ? c.owner : none;
-    if (c.merged) t.flags |= track_left_home;
+    t.carrier = c.merged ? c.owner : std::nullopt;
+    t.left_home = t.left_home || c.merged;
     t.unseen_us = c.seen ? 0 : c.unseen_us;
-    t.place = vec4(c.place, c.stray);
-    t.velocity = vec4(c.velocity);
+    t.place = c.place;
+    t.stray = c.stray;
+    t.velocity = c.velocity;
   }
 }
 

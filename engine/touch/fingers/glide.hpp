@@ -1,11 +1,10 @@
 // Foci are smoothed so that they do not jump from frame to frame. The rules are in docs/touch-frames.md.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "shaders/shared/shared.h"
+#include "base/inplace_vector.hpp"
 #include "touch/fingers/follow.hpp"
 #include "touch/types.hpp"
 
@@ -13,28 +12,22 @@ namespace palpa::touch {
 
 /// A focus as it was played.
 struct GlidingFocus {
-  float x;  // world
-  float y;
-  float z;
-  std::uint32_t empty_us;  // time since its sector has had contacts
-  float speed_x;           // m/s, smoothed: speed of its sector's target relative to the finger
-  float speed_y;
-  float speed_z;
+  glm::vec3 place{};           ///< world
+  std::uint32_t empty_us = 0;  ///< time since its sector has had contacts
+  glm::vec3 speed{};           ///< m/s, smoothed: speed of its sector's target relative to the finger
 };
 
-/// The data kept of a finger's foci from frame to frame, at its track's home.
-struct Home {
-  shader::vec4 centre;    // of the contacts when it was last seen
-  shader::vec4 velocity;  // m/s
-  shader::vec4 axis1;
-  shader::vec4 axis3;
-  std::uint32_t foci;
-  std::array<GlidingFocus, max_foci> focus;
+/// A finger's foci as they were played when it was last seen.
+struct GlidingFoci {
+  glm::vec3 centre{};    ///< of the contacts
+  glm::vec3 velocity{};  ///< m/s
+  glm::mat3 axes{};      ///< columns: w1, w2, w3
+  InplaceVector<GlidingFocus, max_foci> foci;
 };
 
-/// The data kept of fingers' foci, each at its track's home. One object for each stream of frames.
+/// One for each home of a track. One object for each stream of frames.
 struct Homes {
-  std::vector<Home> homes{follow_most_tracks};
+  std::vector<GlidingFoci> homes{Tracks::most};
 };
 
 /// `tracks` are the result of follow_fingers() for this frame, and the foci are the result of

@@ -11,35 +11,51 @@ namespace palpa::touch {
 namespace {
 
 /// Zero if the samples do not tell.
-Float3 inward_of(const SkinSamples& samples) {
-  Float3 normal{0, 0, 0};
+glm::vec3 inward_of(const SkinSamples& samples) {
+  glm::vec3 normal{0};
   for (const SkinSample& sample : samples)
-    normal = plus(normal, sample.normal);
-  return dot3(normal, normal) > 0 ? unit(normal) : Float3{0, 0, 0};
+    normal += sample.normal;
+  return glm::dot(normal, normal) > 0 ? glm::normalize(normal) : glm::vec3(0);
+}
+
+shader::vec4 vec4(const glm::vec3& v, float w = 0) {
+  return {v.x, v.y, v.z, w};
 }
 
 /// Skin may reach beyond the shell's edges around a finger that is about to end.
-void add_reach(const SkinSamples& samples, const Float3& inward, const KnownFinger& finger, shader::ReachTable& table) {
-  if (!(dot3(inward, inward) > 0)) return;
-  const Float3 first = samples.front().position;
-  Float3 place{0, 0, 0};
+void add_reach(const SkinSamples& samples, const glm::vec3& inward, const KnownFinger& finger,
+               shader::ReachTable& table) {
+  if (!(glm::dot(inward, inward) > 0)) return;
+  const glm::vec3 first = samples.front().position;
+  glm::vec3 sum{0};
   for (const SkinSample& sample : samples)
-    place = plus(place, minus(sample.position, first));
-  const Float3 centre = plus(first, scaled(place, 1.0F / static_cast<float>(samples.size())));
+    sum += sample.position - first;
+  const glm::vec3 centre = first + sum * (1.0F / static_cast<float>(samples.size()));
   float farthest = 0;
   for (const SkinSample& sample : samples)
     farthest = std::max(farthest, square_apart(sample.position, centre));
-  table.fingers[table.count++] = {.velocity = finger.velocity,
-                                  .centre = {centre.x, centre.y, centre.z, squared_reach(std::sqrt(farthest))},
-                                  .inward = {inward.x, inward.y, inward.z, 0},
+  table.fingers[table.count++] = {.velocity = vec4(finger.velocity),
+                                  .centre = vec4(centre, squared_reach(std::sqrt(farthest))),
+                                  .inward = vec4(inward),
                                   .solid = finger.solid};
+}
+
+/// The insides of a finger's samples, and their box.
+void keep_insides(const SkinSamples& samples, const glm::vec3& first_contact, float width, KnownFinger& kept) {
+  for (const SkinSample& sample : samples)
+    kept.insides.push_back(inside_of(sample, width));
+  if (samples.empty()) kept.insides.push_back(first_contact);
+  kept.low = kept.high = kept.insides.front();
+  for (const glm::vec3& inside : kept.insides) {
+    kept.low = glm::min(kept.low, inside);
+    kept.high = glm::max(kept.high, inside);
+  }
 }
 
 }  // namespace
 
 void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, const Tracks& tracks,
-                  const ClaimList& claims, std::uint32_t rules, Touch& touch, KnownFingers& table) {
-  const auto width = static_cast<float>(parameters.finger_width_m);
+                  const Courses& courses, const HysteresisRules& rules, Touch& touch, KnownFingers& table) {
   table.count = touch.finger_count;
   table.reach.count = 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
@@ -47,50 +63,32 @@ void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, con
     const SkinSamples& samples = skins[f].samples;
     const std::uint32_t in_shell = contacts_in_shell(touch, finger);
     KnownFinger& kept = table.fingers[f];
-    kept = {.solid = finger.solid,
-            .samples = std::max(static_cast<std::uint32_t>(samples.size()), 1U),
-            .parting_us = claims[f].parting_us,
-            .meeting_us = claims[f].meeting_us,
-            .velocity = tracks.tracks[f].velocity,
-            .fall = (rules & known_falling) != 0 ? next_fall(claims[f].fall, in_shell) : Fall{.contacts = in_shell}};
-    const bool falls = kept.fall.falls;
-    const Float3 inward = inward_of(samples);
-    finger.holds = (rules & known_few) != 0 && !falls;
-    finger.inward = to_vec(inward);
-    if ((rules & known_edges) != 0 && !falls && starves(in_shell, parameters.min_points) && !samples.empty())
-      add_reach(samples, inward, kept, table.reach);
-    if (samples.empty()) {  // its place instead
-      table.insides[f][0] = float3(touch.contacts[finger.contacts.front()].position);
-    }
-    for (std::size_t s = 0; s < samples.size(); ++s)
-      table.insides[f][s] = inside_of(samples[s], width);
-    const auto insides = std::span(table.insides[f]).first(kept.samples);
-    kept.low = kept.high = insides.front();
-    for (const Float3& inside : insides) {
-      kept.low = lowest(kept.low, inside);
-      kept.high = highest(kept.high, inside);
-    }
+    kept = {.solid = finger.solid, .velocity = tracks.tracks[f].velocity, .insides = {}, .course = courses[f]};
+    kept.course.fall = rules.falling ? next_fall(courses[f].fall, in_shell) : Fall{.contacts = in_shell};
+    const bool falls = kept.course.fall.falls;
+    finger.holds = rules.few && !falls;
+    finger.inward = inward_of(samples);
+    if (rules.edges && !falls && starves(in_shell, parameters.min_points) && !samples.empty())
+      add_reach(samples, finger.inward, kept, table.reach);
+    keep_insides(samples, first_place(touch, finger), static_cast<float>(parameters.finger_width_m), kept);
   }
 }
 
-void leave_out_beyond(Touch& touch, std::vector<std::uint32_t>& place) {
-  constexpr std::uint32_t none = known_none;
-  if (std::ranges::none_of(touch.contacts, [](const Contact& contact) { return contact.beyond != 0; })) return;
-  place.assign(touch.contacts.size(), none);
+void leave_out_beyond(Touch& touch, std::vector<std::uint32_t>& scratch) {
+  const auto is_beyond = [](const Contact& contact) { return contact.beyond != 0; };
+  if (std::ranges::none_of(touch.contacts, is_beyond)) return;
+  scratch.clear();  // where each contact will be
   std::uint32_t kept = 0;
-  for (std::size_t i = 0; i < touch.contacts.size(); ++i) {
-    if (touch.contacts[i].beyond != 0) continue;
-    place[i] = kept;
-    touch.contacts[kept++] = touch.contacts[i];
-  }
-  touch.contacts.resize(kept);
+  for (const Contact& contact : touch.contacts)
+    scratch.push_back(is_beyond(contact) ? kept : kept++);
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
     Finger& finger = touch.fingers[f];
+    std::erase_if(finger.contacts, [&](std::uint32_t i) { return is_beyond(touch.contacts[i]); });
     for (std::uint32_t& i : finger.contacts)
-      i = place[i];
-    std::erase(finger.contacts, none);
+      i = scratch[i];
     finger.contact_count = static_cast<std::uint32_t>(finger.contacts.size());
   }
+  std::erase_if(touch.contacts, is_beyond);
 }
 
 }  // namespace palpa::touch

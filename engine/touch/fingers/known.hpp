@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "base/inplace_vector.hpp"
 #include "shaders/touch/contacts/reach.h"
@@ -15,7 +16,6 @@
 
 namespace palpa::touch {
 
-inline constexpr std::uint32_t known_none = 0xffffffff;
 static_assert(shader::reach_most_fingers == max_fingers);
 
 /// How a finger loses its contacts, see next_fall().
@@ -25,52 +25,53 @@ struct Fall {
   bool falls = false;          ///< it leaves
 };
 
-inline constexpr std::uint32_t known_never = 0xffffffff;
+/// What this frame shows against what is known of a finger.
+struct Doubt {
+  bool several = false;  ///< it looks like several fingers
+  bool apart = false;    ///< it looks like one with another
+
+  void add(const Doubt& other) {
+    several = several || other.several;
+    apart = apart || other.apart;
+  }
+};
+
+/// What goes on from frame to frame in a finger.
+struct Course {
+  std::optional<std::uint32_t> parting_us{};  ///< since it last looked like several fingers; nothing: never
+  std::uint32_t meeting_us = 0;               ///< for how long it has looked like one with another
+  Fall fall{};
+};
+
 /// A finger of the frame before.
 struct KnownFinger {
   std::uint32_t solid = 0;
-  std::uint32_t samples = 0;
-  Float3 low{}, high{};                    ///< the box of its insides
-  std::uint32_t parting_us = known_never;  ///< since it last looked like several fingers
-  std::uint32_t meeting_us = 0;            ///< for how long it has looked like one with another
-  shader::vec4 velocity{};                 ///< of its track
-  Fall fall;
+  glm::vec3 velocity{};  ///< of its track
+  /// inside_of() each of its samples; without samples, the place of its first contact. And their box.
+  InplaceVector<glm::vec3, most_samples> insides;
+  glm::vec3 low{}, high{};
+  Course course;
+  Doubt doubt;  ///< of this frame
 };
 
-/// Bits of KnownFingers::doubts: what this frame shows against what is known of a finger.
-inline constexpr std::uint32_t doubt_one = 1;    ///< it looks like several fingers
-inline constexpr std::uint32_t doubt_apart = 2;  ///< it looks like one with another
+/// A known finger by its index; nothing: none of them.
+using WhichKnown = std::optional<std::uint32_t>;
 
-/// A small cluster that is not a finger yet.
-struct Island {
-  Float3 place{};
+/// A place on a solid, and for how long something has held there.
+struct Spot {
+  glm::vec3 place{};
   std::uint32_t solid = 0;
-  std::uint32_t evidence_us = 0;  ///< for how long it has been there, less the time that it was missing
-};
-
-/// A finger that has ended.
-struct EndedFinger {
-  Float3 inside{};  ///< the middle of its insides
-  std::uint32_t solid = 0;
-  std::uint32_t since_us = 0;
+  std::uint32_t us = 0;
 };
 
 struct KnownFingers {
   std::uint32_t count = 0;
   std::array<KnownFinger, max_fingers> fingers{};
-  std::array<std::uint32_t, max_fingers> doubts{};  ///< of the known fingers in this frame
-  InplaceVector<Island, max_fingers> islands;
-  InplaceVector<EndedFinger, max_fingers> ended;
-  /// Per finger and sample: inside_of().
-  std::array<std::array<Float3, most_samples>, max_fingers> insides{};
-  shader::ReachTable reach{};  ///< the fingers that are about to end
-};
-
-/// What a finger keeps from the frame before.
-struct Claim {
-  std::uint32_t parting_us = known_never;  ///< after this frame
-  std::uint32_t meeting_us = 0;            ///< after this frame
-  Fall fall;
+  /// Small clusters that are not fingers yet, at their first contacts: for how long each has been there, less the time
+  /// that it was missing.
+  InplaceVector<Spot, max_fingers> islands;
+  InplaceVector<Spot, max_fingers> ended;  ///< fingers, at the middle of their insides: since when
+  shader::ReachTable reach{};              ///< the fingers that are about to end
 };
 
 /// Skin belongs to a known finger if its inside is within this share of the greatest width of a finger.
@@ -103,21 +104,23 @@ inline constexpr std::uint32_t parting_us_most = 100000;
 /// Two known fingers become one if they have looked like one in every frame for this time.
 inline constexpr std::uint32_t meeting_us_least = 50000;
 
-inline bool may_part(const KnownFinger& finger, std::uint32_t elapsed_us) {
-  return us_after(finger.parting_us, elapsed_us) <= parting_us_most;
+inline bool may_part(const Course& course, std::uint32_t elapsed_us) {
+  return course.parting_us && us_after(*course.parting_us, elapsed_us) <= parting_us_most;
 }
-inline bool may_meet(const KnownFinger& finger, std::uint32_t elapsed_us) {
-  return us_after(finger.meeting_us, elapsed_us) >= meeting_us_least;
-}
-
-inline std::uint32_t next_parting_us(const KnownFinger& finger, std::uint32_t doubts, std::uint32_t elapsed_us) {
-  return (doubts & doubt_one) != 0U ? 0U : us_after(finger.parting_us, elapsed_us);
-}
-inline std::uint32_t next_meeting_us(const KnownFinger& finger, std::uint32_t doubts, std::uint32_t elapsed_us) {
-  return (doubts & doubt_apart) != 0U ? us_after(finger.meeting_us, elapsed_us) : 0U;
+inline bool may_meet(const Course& course, std::uint32_t elapsed_us) {
+  return us_after(course.meeting_us, elapsed_us) >= meeting_us_least;
 }
 
-inline bool same_island(const Island& a, const Island& b) {
+/// After this frame; its contacts do not count yet.
+inline Course next_course(const KnownFinger& finger, std::uint32_t elapsed_us) {
+  Course next = finger.course;
+  if (next.parting_us) next.parting_us = us_after(*next.parting_us, elapsed_us);
+  if (finger.doubt.several) next.parting_us = 0;
+  next.meeting_us = finger.doubt.apart ? us_after(next.meeting_us, elapsed_us) : 0;
+  return next;
+}
+
+inline bool same_island(const Spot& a, const Spot& b) {
   return a.solid == b.solid && square_apart(a.place, b.place) <= island_reach_m * island_reach_m;
 }
 
@@ -125,6 +128,11 @@ inline bool same_island(const Island& a, const Island& b) {
 inline std::uint32_t contacts_in_shell(const Touch& touch, const Finger& finger) {
   return static_cast<std::uint32_t>(
       std::ranges::count_if(finger.contacts, [&](std::uint32_t i) { return touch.contacts[i].beyond == 0; }));
+}
+
+/// The place of a finger's first contact.
+inline const glm::vec3& first_place(const Touch& touch, const Finger& finger) {
+  return touch.contacts[finger.contacts.front()].position;
 }
 
 /// A finger that leaves has fewer contacts in each frame, while those of a finger at rest go up and down. A finger

@@ -7,21 +7,21 @@ namespace palpa::touch {
 namespace {
 
 struct Nearest {
-  std::uint32_t finger = known_none;
+  WhichKnown finger{};
   float square = 0;
 };
 
 /// The known finger of the solid whose inside is nearest to `inside`, if it is within `reach`.
-Nearest nearest_known(const Known& known, std::uint32_t solid, const Float3& inside, float reach) {
-  Nearest best{known_none, reach * reach};
+Nearest nearest_known(const Known& known, std::uint32_t solid, const glm::vec3& inside, float reach) {
+  Nearest best{{}, reach * reach};
   const float elapsed_s = shader::seconds_of(known.elapsed_us);
   for (std::uint32_t k = 0; k < known.table->count; ++k) {
     const KnownFinger& finger = known.table->fingers[k];
     if (finger.solid != solid) continue;
-    const Float3 before = moved_back(inside, finger.velocity, elapsed_s);
+    const glm::vec3 before = inside - finger.velocity * elapsed_s;
     if (square_between(before, before, finger.low, finger.high) >= best.square) continue;
-    for (std::uint32_t s = 0; s < finger.samples; ++s) {
-      const float square = square_apart(before, known.table->insides[k][s]);
+    for (const glm::vec3& place : finger.insides) {
+      const float square = square_apart(before, place);
       if (square < best.square) best = {k, square};
     }
   }
@@ -39,7 +39,7 @@ float label_reach(const Known& known) {
 }  // namespace
 
 KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples) {
-  KnownLabels labels(samples.size(), known_none);
+  KnownLabels labels(samples.size(), {});
   if (known.table == nullptr) return labels;
   const float reach = label_reach(known);
   for (std::size_t s = 0; s < samples.size(); ++s)
@@ -47,26 +47,26 @@ KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamp
   return labels;
 }
 
-std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place) {
-  return known.table == nullptr ? known_none : nearest_known(known, solid, place, label_reach(known)).finger;
+WhichKnown known_at(const Known& known, std::uint32_t solid, const glm::vec3& place) {
+  return known.table == nullptr ? WhichKnown{} : nearest_known(known, solid, place, label_reach(known)).finger;
 }
 
-std::uint32_t known_majority(std::span<const std::uint32_t> labels) {
+WhichKnown known_majority(std::span<const WhichKnown> labels) {
   std::array<std::uint32_t, max_fingers> count{};
-  for (const std::uint32_t label : labels) {
-    if (label != known_none) ++count[label];
+  for (const WhichKnown& label : labels) {
+    if (label) ++count[*label];
   }
   const auto best = std::ranges::max_element(count);
-  return *best > 0 && std::size_t{2} * *best >= labels.size() ? static_cast<std::uint32_t>(best - count.begin())
-                                                              : known_none;
+  if (*best == 0 || std::size_t{2} * *best < labels.size()) return {};
+  return static_cast<std::uint32_t>(best - count.begin());
 }
 
-std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
-  Nearest best{known_none, 3.0e38F};
+WhichKnown known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples) {
+  Nearest best{{}, 3.0e38F};
   if (known.table == nullptr) return best.finger;
   for (const SkinSample& sample : samples) {
     const Nearest here = nearest_known(known, solid, sample, known.finger_width);
-    if (here.finger != known_none && here.square < best.square) best = here;
+    if (here.finger && here.square < best.square) best = here;
   }
   return best.finger;
 }

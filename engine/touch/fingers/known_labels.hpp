@@ -14,37 +14,35 @@ namespace palpa::touch {
 /// The fingers of the frame before, as the steps of a frame see them.
 struct Known {
   std::uint32_t elapsed_us = 0;   ///< from the frame before to this one
-  std::uint32_t rules = 0;        ///< bits, see stage_setting.hpp; set even if `table` is null
-  KnownFingers* table = nullptr;  ///< null: there are none; only its doubts change before admit_fingers()
+  HysteresisRules rules{};        ///< set even if `table` is null
+  KnownFingers* table = nullptr;  ///< null: there are none; only their doubts change before admit_fingers()
   float finger_width = 0;         ///< metres
 
-  bool may_part(std::uint32_t finger) const { return touch::may_part(table->fingers[finger], elapsed_us); }
-  bool may_meet(std::uint32_t finger) const { return touch::may_meet(table->fingers[finger], elapsed_us); }
-  void doubt(std::uint32_t finger, std::uint32_t what) const { table->doubts[finger] |= what; }
-  bool has(std::uint32_t rule) const { return table != nullptr && (rules & rule) != 0; }
+  bool may_part(std::uint32_t finger) const { return touch::may_part(table->fingers[finger].course, elapsed_us); }
+  bool may_meet(std::uint32_t finger) const { return touch::may_meet(table->fingers[finger].course, elapsed_us); }
+  void doubt(std::uint32_t finger, const Doubt& what) const { table->fingers[finger].doubt.add(what); }
 };
 
 /// For each sample of skin in a solid, the known finger whose inside is nearest to the sample's, within
-/// known_reach finger widths; else known_none. Known fingers move on with their velocities.
-using KnownLabels = InplaceVector<std::uint32_t, most_samples>;
+/// known_reach finger widths. Known fingers move on with their velocities.
+using KnownLabels = InplaceVector<WhichKnown, most_samples>;
 KnownLabels known_labels(const Known& known, std::uint32_t solid, const SkinSamples& samples);
 
 /// The same for a cluster without samples, from the place of its first contact.
-std::uint32_t known_at(const Known& known, std::uint32_t solid, const Float3& place);
+WhichKnown known_at(const Known& known, std::uint32_t solid, const glm::vec3& place);
 
-/// The known finger that most of the samples belong to, if they are at least half of all; else known_none. If two have
-/// equally many, it is the first.
-std::uint32_t known_majority(std::span<const std::uint32_t> labels);
+/// The known finger that most of the samples belong to, if they are at least half of all. If two have equally many, it
+/// is the first.
+WhichKnown known_majority(std::span<const WhichKnown> labels);
 
-/// The known finger of the solid whose inside is nearest to one of the samples', within a finger width; else
-/// known_none.
-std::uint32_t known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
+/// The known finger of the solid whose inside is nearest to one of the samples', within a finger width.
+WhichKnown known_nearby(const Known& known, std::uint32_t solid, std::span<const SkinSample> samples);
 
 /// What a frame shows of a finger, or of a cluster that may be one. Found once, and again if its contacts change.
 struct FingerSkin {
   SkinSamples samples;
-  KnownLabels labels;                ///< known_labels()
-  std::uint32_t known = known_none;  ///< known_majority()
+  KnownLabels labels;  ///< known_labels()
+  WhichKnown known{};  ///< known_majority()
 };
 FingerSkin look_at(const Sight& sight, const Known& known, const Touch& touch, const Finger& finger);
 

@@ -11,6 +11,7 @@ namespace palpa::touch {
 /// `now` are the finger's contacts in two frames, between which it was expected to move by `expected`. A contact that
 /// has none of the other frame within 6 mm of it has joined or left. Zero if no contact joined or left, if most of
 /// both did, or if the contacts match once moved as their centroid moved.
-Float3 moved_by_members(std::span<const Float3> before, std::span<const Float3> now, const Float3& expected);
+glm::vec3 moved_by_members(std::span<const glm::vec3> before, std::span<const glm::vec3> now,
+                           const glm::vec3& expected);
 
 }  // namespace palpa::touch

@@ -28,31 +28,30 @@ constexpr Set rest_of(Set set) {
   return set & (set - 1);
 }
 
-bool are_two_known(std::uint32_t one, std::uint32_t other) {
-  return one != known_none && other != known_none && one != other;
+bool are_two_known(const WhichKnown& one, const WhichKnown& other) {
+  return one && other && one != other;
 }
 
 float square_of(float a) {
   return a * a;
 }
 
-// ---- what one camera sees between two samples
-// ------------------------------------------------------------------------
+// ---- what one camera sees between two samples ----
 
 /// A sample as one camera sees it.
 struct View {
-  Float3 at;  ///< camera coordinates
+  glm::vec3 at;  ///< camera coordinates
   int u, v;
   bool seen;
 };
 
-View view_of(const Sight& sight, std::size_t c, const Float3& place) {
+View view_of(const Sight& sight, std::size_t c, const glm::vec3& place) {
   const SightCamera& camera = sight.cameras[c];
   const Appearance a = appearance(camera, place);
   const std::uint32_t raw = raw_at(sight, c, a.u, a.v);
   const float step = static_cast<float>(raw) * camera.depth_unit - a.depth;
   return {seen_from(camera, place), static_cast<int>(a.u), static_cast<int>(a.v),
-          a.depth > 0 && raw >= camera.first_depth && std::abs(step) <= surface_step_m()};
+          a.depth > 0 && raw >= camera.first_depth && std::abs(step) <= surface_step_m};
 }
 
 /// The pixels from one to another in equal steps, rounded to the nearest, halves up.
@@ -85,9 +84,9 @@ class Walk {
  public:
   Walk(const View& a, const View& b) : a_(a), b_(b) {
     steps_ = std::min(std::max(std::abs(b.u - a.u), std::abs(b.v - a.v)), most_steps);
-    const Float3 way = minus(b.at, a.at);
+    const glm::vec3 way = b.at - a.at;
     const float lateral = way.x * way.x + way.y * way.y;
-    const float square = dot3(way, way);
+    const float square = glm::dot(way, way);
     tilt_ = square > 0 ? std::sqrt(lateral / square) : 0;
     least_ = noise_at(std::max(a.at.z, b.at.z));
     stride_ = steps_ > 0 ? std::sqrt(lateral) / static_cast<float>(steps_) : 0;
@@ -176,7 +175,7 @@ class Walk {
   float hole_ = 0;    ///< width of the hole that the walk is in
 };
 
-// ---- groups of samples ----------------------------------------------------------------------------------------------
+// ---- groups of samples ----
 
 /// Whether skin at one of two samples is turned towards the other.
 bool face_each_other(const SkinSample& a, const SkinSample& b) {
@@ -222,9 +221,8 @@ class Grouping {
     two_ = valley_;
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = 0; b < count_; ++b) {
-        if (labels_[a] == known_none) continue;
-        if (labels_[b] == labels_[a]) kin_[a] |= only(b);
-        if (labels_[b] != labels_[a] && labels_[b] != known_none) strangers_[a] |= only(b);
+        if (labels_[a] && labels_[b] == labels_[a]) kin_[a] |= only(b);
+        if (are_two_known(labels_[a], labels_[b])) strangers_[a] |= only(b);
       }
     }
     compare();
@@ -243,7 +241,7 @@ class Grouping {
     for (std::size_t s = 0; s < count_; ++s)
       parts.part.push_back(static_cast<std::uint8_t>(head(s)));
     for (std::size_t h = 0; h < count_; ++h)
-      parts.known[h] = members_[h] != 0 ? label_of(h) : known_none;
+      parts.known[h] = label_of(h);
     return parts;
   }
 
@@ -301,8 +299,9 @@ class Grouping {
   }
 
   /// The known finger of most samples of a group; if two have equally many, that of the first sample.
-  std::uint32_t label_of(std::size_t head) const {
-    std::uint32_t most_kin = 0, label = known_none;
+  WhichKnown label_of(std::size_t head) const {
+    std::uint32_t most_kin = 0;
+    WhichKnown label;
     for (Set left = members_[head]; left != 0; left = rest_of(left)) {
       const std::size_t s = first_of(left);
       const std::uint32_t kin = size_of(members_[head] & kin_[s]);
@@ -313,10 +312,10 @@ class Grouping {
     return label;
   }
   /// label_of() of each group.
-  PerSample<std::uint32_t> labels_of_groups() const {
-    PerSample<std::uint32_t> labels{};
+  PerSample<WhichKnown> labels_of_groups() const {
+    PerSample<WhichKnown> labels{};
     for (std::size_t h = 0; h < count_; ++h)
-      labels[h] = members_[h] != 0 ? label_of(h) : known_none;
+      labels[h] = label_of(h);
     return labels;
   }
 
@@ -371,21 +370,29 @@ class Grouping {
     name_by_first(chosen);
   }
 
+  /// The number of groups of each known finger, and the first of them.
+  struct PartsOfKnown {
+    std::array<std::uint32_t, max_fingers> count{};
+    std::array<std::size_t, max_fingers> first{};
+  };
+  PartsOfKnown parts_of_known(const PerSample<WhichKnown>& labels) const {
+    PartsOfKnown parts;
+    for (std::size_t h = count_; h-- > 0;) {
+      if (!labels[h]) continue;
+      ++parts.count[*labels[h]];
+      parts.first[*labels[h]] = h;
+    }
+    return parts;
+  }
+
   /// Moves each sample of a known finger to the part of most of that finger's samples, if there is only one. So the
   /// border between two known fingers does not depend on which contacts happen to be samples.
   void return_home() {
-    std::array<std::uint32_t, max_fingers> parts{};
-    std::array<std::size_t, max_fingers> part{};
-    const PerSample<std::uint32_t> labels = labels_of_groups();
-    for (std::size_t h = count_; h-- > 0;) {
-      if (labels[h] == known_none) continue;
-      ++parts[labels[h]];
-      part[labels[h]] = h;
-    }
+    const PartsOfKnown parts = parts_of_known(labels_of_groups());
     Sets chosen{};
     for (std::size_t s = 0; s < count_; ++s) {
-      const std::uint32_t label = labels_[s];
-      chosen[label != known_none && parts[label] == 1 ? part[label] : head(s)] |= only(s);
+      const WhichKnown label = labels_[s];
+      chosen[label && parts.count[*label] == 1 ? parts.first[*label] : head(s)] |= only(s);
     }
     name_by_first(chosen);
   }
@@ -399,14 +406,14 @@ class Grouping {
   }
 
   /// The means of the groups' insides.
-  PerSample<Float3> means_inside() const {
-    PerSample<Float3> means{};
+  PerSample<glm::vec3> means_inside() const {
+    PerSample<glm::vec3> means{};
     for (std::size_t h = 0; h < count_; ++h) {
       if (members_[h] == 0) continue;
-      Float3 sum{0, 0, 0};
+      glm::vec3 sum{0};
       for (Set left = members_[h]; left != 0; left = rest_of(left))
-        sum = plus(sum, minus(insides_[first_of(left)], insides_[0]));
-      means[h] = scaled(sum, 1.0F / static_cast<float>(size_of(members_[h])));
+        sum += insides_[first_of(left)] - insides_[0];
+      means[h] = sum * (1.0F / static_cast<float>(size_of(members_[h])));
     }
     return means;
   }
@@ -414,30 +421,24 @@ class Grouping {
   /// Notes which known fingers look like one with another in this frame, and which ones look like several. Parts of a
   /// known finger that may not part are joined.
   void hold() {
-    const PerSample<Float3> means = means_inside();
-    const PerSample<std::uint32_t> label = labels_of_groups();
-    std::array<std::uint32_t, max_fingers> parts{};
-    std::array<std::size_t, max_fingers> part{};
-    for (std::size_t h = count_; h-- > 0;) {
-      if (label[h] == known_none) continue;
-      ++parts[label[h]];
-      part[label[h]] = h;
-    }
+    const PerSample<glm::vec3> means = means_inside();
+    const PerSample<WhichKnown> label = labels_of_groups();
+    const PartsOfKnown parts = parts_of_known(label);
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
         if (!are_two_known(label[a], label[b])) continue;
         if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
-        doubts_[label[a]] |= doubt_apart;
-        doubts_[label[b]] |= doubt_apart;
+        doubts_[*label[a]].apart = true;
+        doubts_[*label[b]].apart = true;
       }
     }
     Sets chosen{};
     for (std::size_t h = 0; h < count_; ++h) {
       if (members_[h] == 0) continue;
       std::size_t to = h;
-      if (label[h] != known_none && parts[label[h]] > 1) {
-        doubts_[label[h]] |= doubt_one;
-        if (!fingers_.may_part(label[h])) to = part[label[h]];
+      if (label[h] && parts.count[*label[h]] > 1) {
+        doubts_[*label[h]].several = true;
+        if (!fingers_.may_part(*label[h])) to = parts.first[*label[h]];
       }
       chosen[to] |= members_[h];
     }
@@ -447,8 +448,8 @@ class Grouping {
   /// Joins parts between which no valley is seen, or whose insides are the same. The nearest parts come first.
   void settle() {
     for (;;) {
-      const PerSample<Float3> means = means_inside();
-      const PerSample<std::uint32_t> label = labels_of_groups();
+      const PerSample<glm::vec3> means = means_inside();
+      const PerSample<WhichKnown> label = labels_of_groups();
       std::optional<float> nearest;
       std::size_t keeps = 0, goes = 0;
       for (std::size_t a = 0; a < count_; ++a) {
@@ -457,7 +458,7 @@ class Grouping {
           const float square = square_apart(means[a], means[b]);
           const bool apart = are_two_known(label[a], label[b]);
           if (are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
-          if (apart && !(fingers_.may_meet(label[a]) && fingers_.may_meet(label[b]))) continue;
+          if (apart && !(fingers_.may_meet(*label[a]) && fingers_.may_meet(*label[b]))) continue;
           if (nearest && square >= *nearest) continue;
           nearest = square;
           keeps = a;
@@ -474,14 +475,14 @@ class Grouping {
   const Known& fingers_;  ///< of the frame before
   std::size_t count_;
   float width_;
-  PerSample<Float3> insides_{};
+  PerSample<glm::vec3> insides_{};
   /// Sets of other samples, per sample. looked_: a camera that sees both gives evidence. valley_: a camera sees a
   /// valley between both. After all evidence, known_: there is any evidence; two_: the evidence says two fingers.
   /// same_: both have the same inside.
   Sets looked_{}, valley_{}, known_{}, two_{}, same_{};
   Sets kin_{}, strangers_{};  ///< of the same known finger, of another known finger
   Sets members_{};            ///< members of the group that begins with that sample
-  std::array<std::uint8_t, max_fingers> doubts_{};
+  std::array<Doubt, max_fingers> doubts_{};
 };
 
 }  // namespace

@@ -13,11 +13,10 @@ namespace palpa::touch {
 /// Each sample belongs to one part, which has the number of its first sample.
 struct Parts {
   InplaceVector<std::uint8_t, most_samples> part;  ///< per sample
-  std::array<Float3, most_samples> insides{};      ///< per sample: inside_of()
-  /// Per part: the known finger of most of its samples that belong to one; known_none if none does.
-  std::array<std::uint32_t, most_samples> known{};
-  /// Per finger of the frame before: how this frame contradicts it; bits, see KnownFingers::doubts.
-  std::array<std::uint8_t, max_fingers> doubts{};
+  std::array<glm::vec3, most_samples> insides{};   ///< per sample: inside_of()
+  /// Per part: the known finger of most of its samples that belong to one.
+  std::array<WhichKnown, most_samples> known{};
+  std::array<Doubt, max_fingers> doubts{};  ///< per finger of the frame before
 
   bool several() const {
     return std::ranges::any_of(part, [](std::uint8_t p) { return p != 0; });

@@ -2,10 +2,11 @@
 
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <numbers>
 #include <vector>
 
-#include "touch/fingers/exact.hpp"
 #include "touch/fingers/sections.hpp"
 
 namespace palpa::touch {
@@ -15,7 +16,7 @@ constexpr std::uint32_t bins = 64;  ///< of an outline, at equal angles
 static_assert(bins <= max_foci);
 
 /// The direction of angle 2 pi n / N, exact if it lies on an axis.
-Float2 border(std::uint32_t n, std::uint32_t foci) {
+glm::vec2 border(std::uint32_t n, std::uint32_t foci) {
   const double angle = 2 * std::numbers::pi * n / foci;
   double x = std::cos(angle), y = std::sin(angle);
   if (std::abs(x) < 1e-12) x = 0;
@@ -24,8 +25,8 @@ Float2 border(std::uint32_t n, std::uint32_t foci) {
 }
 
 /// The borders of N sectors for every N up to max_foci, one N after the other.
-std::vector<Float2> sector_borders() {
-  std::vector<Float2> borders;
+std::vector<glm::vec2> sector_borders() {
+  std::vector<glm::vec2> borders;
   for (std::uint32_t foci = 1; foci <= max_foci; ++foci) {
     for (std::uint32_t n = 0; n < foci; ++n)
       borders.push_back(border(n, foci));
@@ -46,7 +47,9 @@ struct Scaling {
   float back_xx, back_xy, back_yy;
 };
 
-Scaling scaling_of(float l1, float l2, float cosine, float sine) {
+Scaling scaling_of(const CrossSection& section) {
+  const auto [l1, l2, l3] = section.eigenvalues;
+  const float cosine = section.turn.x, sine = section.turn.y;
   const float root1 = std::sqrt(l1), root2 = std::sqrt(l2);
   const float scale1 = 1 / root1, scale2 = 1 / root2;
   return {.xx = scale1 * cosine * cosine + scale2 * sine * sine,
@@ -58,8 +61,8 @@ Scaling scaling_of(float l1, float l2, float cosine, float sine) {
 }
 
 /// Whether p's angle is at least the border's, both in [0, 2 pi).
-bool reaches(const Float2& p, const Float2& border) {
-  const auto in_second_half = [](const Float2& q) { return q.y < 0 || (q.y == 0 && q.x < 0); };
+bool reaches(const glm::vec2& p, const glm::vec2& border) {
+  const auto in_second_half = [](const glm::vec2& q) { return q.y < 0 || (q.y == 0 && q.x < 0); };
   const bool second = in_second_half(p);
   return second == in_second_half(border) ? border.x * p.y - border.y * p.x >= 0 : second;
 }
@@ -70,7 +73,7 @@ std::int32_t in_steps(float value, float steps) {
 }
 
 /// The distance in metres between two points of the scaled plane.
-float metres_between(const Float2& a, const Float2& b, const Scaling& scaling) {
+float metres_between(const glm::vec2& a, const glm::vec2& b, const Scaling& scaling) {
   const float x = b.x - a.x, y = b.y - a.y;
   const float u = scaling.back_xx * x - scaling.back_xy * y;
   const float v = scaling.back_xy * x - scaling.back_yy * y;
@@ -78,13 +81,13 @@ float metres_between(const Float2& a, const Float2& b, const Scaling& scaling) {
 }
 
 /// The point `ahead` beyond a on the way to b; the way's length is `side`.
-Float2 along_side(const Float2& a, const Float2& b, float ahead, float side) {
+glm::vec2 along_side(const glm::vec2& a, const glm::vec2& b, float ahead, float side) {
   const float share = side > 0 ? ahead / side : 0;
-  return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+  return a + share * (b - a);
 }
 
 /// The last of the ascending borders that p has passed.
-std::uint32_t sector_of(const Float2& p, std::span<const Float2> borders) {
+std::uint32_t sector_of(const glm::vec2& p, std::span<const glm::vec2> borders) {
   if (p.x == 0 && p.y == 0) return 0;
   auto beyond = static_cast<std::uint32_t>(borders.size());
   std::uint32_t sector = 0;
@@ -100,32 +103,27 @@ struct Plane {
   const Finger& finger;
   const std::vector<Contact>& contacts;
   LocalOrigin local = local_origin(finger, contacts);
-  PrincipalAxes axes{};
-  Scaling scaling{};
+  Scaling scaling;
 
-  Plane(const Finger& of, const std::vector<Contact>& all) : finger(of), contacts(all) {
-    const CrossSection& s = finger.section;
-    axes = {float3(s.axes[0]), float3(s.axes[1]), float3(s.axes[2]),
-            s.eigenvalues[0],  s.eigenvalues[1],  s.eigenvalues[2]};
-    scaling = scaling_of(axes.l1, axes.l2, s.turn.x, s.turn.y);
-  }
+  Plane(const Finger& of, const std::vector<Contact>& all)
+      : finger(of), contacts(all), scaling(scaling_of(of.section)) {}
   std::uint32_t members() const { return static_cast<std::uint32_t>(finger.contacts.size()); }
-  Float3 from_centroid(std::uint32_t contact) const { return local.from_centroid(contacts[contact].position); }
+  glm::vec3 from_centroid(std::uint32_t contact) const { return local.from_centroid(contacts[contact].position); }
   /// Eq. (5) with its second coordinate negated: angles of (x, y) run clockwise seen from the tip of w3, so y counts
   /// against w2.
-  Float2 projected(const Float3& d) const {
-    const float x = dot3(axes.w1, d), y = dot3(axes.w2, d);
+  glm::vec2 projected(const glm::vec3& d) const {
+    const float x = glm::dot(finger.section.axes[0], d), y = glm::dot(finger.section.axes[1], d);
     return {x * scaling.xx + y * scaling.xy, -(x * scaling.xy + y * scaling.yy)};
   }
 };
 
 /// The outline's mean radius in each bin; for an empty bin, it is interpolated between its neighbours.
-std::array<float, bins> radii(const Plane& plane, std::span<const Float2> directions) {
+std::array<float, bins> radii(const Plane& plane, std::span<const glm::vec2> directions) {
   std::array<std::int32_t, bins> sums{};
   std::array<std::uint32_t, bins> counts{};
   const float steps = 7.0e8F / static_cast<float>(plane.members());  // the sum of radii is at most sqrt(2) contacts
   for (const std::uint32_t i : plane.finger.contacts) {
-    const Float2 p = plane.projected(plane.from_centroid(i));
+    const glm::vec2 p = plane.projected(plane.from_centroid(i));
     const std::uint32_t bin = sector_of(p, directions);
     sums[bin] += in_steps(std::sqrt(p.x * p.x + p.y * p.y), steps);
     ++counts[bin];
@@ -149,21 +147,22 @@ std::array<float, bins> radii(const Plane& plane, std::span<const Float2> direct
 }
 
 /// Borders that cut the cross-section's outline into `foci` pieces of equal length.
-std::array<Float2, max_foci> equal_arcs(const Plane& plane, std::span<const Float2> directions, std::uint32_t foci) {
+std::array<glm::vec2, max_foci> equal_arcs(const Plane& plane, std::span<const glm::vec2> directions,
+                                           std::uint32_t foci) {
   const std::array<float, bins> radius = radii(plane, directions);
-  std::array<Float2, bins + 1> corners{};
+  std::array<glm::vec2, bins + 1> corners{};
   for (std::uint32_t m = 0; m < bins; ++m) {
     // A corner lies where two bins meet; its radius is smoothed over four bins.
     const float smooth =
         (radius[(m + bins - 2) % bins] + 3 * radius[(m + bins - 1) % bins] + 3 * radius[m] + radius[(m + 1) % bins]) *
         0.125F;
-    corners[m] = {smooth * directions[m].x, smooth * directions[m].y};
+    corners[m] = smooth * directions[m];
   }
   corners[bins] = corners[0];
   std::array<float, bins + 1> way{};  // length along the outline to each corner, and of the complete outline
   for (std::uint32_t m = 0; m < bins; ++m)
     way[m + 1] = way[m] + metres_between(corners[m], corners[m + 1], plane.scaling);
-  std::array<Float2, max_foci> borders{};
+  std::array<glm::vec2, max_foci> borders{};
   for (std::uint32_t n = 0; n < foci; ++n) {
     const float cut = way[bins] * static_cast<float>(n) / static_cast<float>(foci);
     std::uint32_t side = 0;
@@ -174,15 +173,16 @@ std::array<Float2, max_foci> equal_arcs(const Plane& plane, std::span<const Floa
   return borders;
 }
 
-void sum_sectors(Finger& finger, const Plane& plane, std::span<const Float2> borders) {
+void sum_sectors(Finger& finger, const Plane& plane, std::span<const glm::vec2> borders) {
   // As fine as 31 bits allow: the sum of all distances from the centroid is at most contacts * sqrt(l1 + l2 + l3)
   // (Cauchy-Schwarz), and stays below 2^30 steps.
-  const float reach = static_cast<float>(plane.members()) * std::sqrt(plane.axes.l1 + plane.axes.l2 + plane.axes.l3);
+  const auto [l1, l2, l3] = finger.section.eigenvalues;
+  const float reach = static_cast<float>(plane.members()) * std::sqrt(l1 + l2 + l3);
   const float steps = 1.0e9F / reach;
   std::array<std::array<std::int32_t, 3>, max_foci> sums{};
   finger.foci.assign(borders.size(), {});
   for (const std::uint32_t i : finger.contacts) {
-    const Float3 d = plane.from_centroid(i);
+    const glm::vec3 d = plane.from_centroid(i);
     const std::uint32_t sector = sector_of(plane.projected(d), borders);
     sums[sector][0] += in_steps(d.x, steps);
     sums[sector][1] += in_steps(d.y, steps);
@@ -205,7 +205,7 @@ void sum_sectors(Finger& finger, const Plane& plane, std::span<const Float2> bor
 }  // namespace
 
 void find_foci(const FingerOptions& parameters, std::span<const std::uint32_t> of_solid, Touch& out) {
-  static const std::vector<Float2> every = sector_borders();
+  static const std::vector<glm::vec2> every = sector_borders();
   for (Finger& finger : std::span(out.fingers).first(out.finger_count)) {
     finger.placed = false;
     if (finger.point_like) {

@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/matrix.hpp>
-
-#include "sensing/surroundings.hpp"
+#include <optional>
 
 namespace palpa::touch {
 namespace {
@@ -19,41 +18,26 @@ constexpr std::uint32_t sample_hash = 0x9e3779b1;
 constexpr std::uint32_t sample_unhash = 0x0e8b2f51;
 static_assert(most_samples == 1U << (32 - sample_shift));
 
-Float3 rotated(const shader::vec4& x, const shader::vec4& y, const shader::vec4& z, const Float3& v) {
-  Float3 r;
-  r.x = x.x * v.x + x.y * v.y + x.z * v.z;
-  r.y = y.x * v.x + y.y * v.y + y.z * v.z;
-  r.z = z.x * v.x + z.y * v.y + z.z * v.z;
-  return r;
+/// `v` turned by a pose.
+glm::vec3 rotated(const glm::mat4& pose, const glm::vec3& v) {
+  return glm::mat3(pose) * v;
 }
 
 /// A pixel's point in camera coordinates. The depth is 0 if there is no data or no ray, or if the camera ignores the
 /// pixel.
-Float3 point_of(const Sight& sight, std::size_t c, std::uint32_t u, std::uint32_t v) {
+glm::vec3 point_of(const Sight& sight, std::size_t c, std::uint32_t u, std::uint32_t v) {
   const SightCamera& camera = sight.cameras[c];
   const glm::vec2& ray = sight.tables.rays[camera.first_pixel + std::size_t{v} * camera.pitch + u];
   const std::uint32_t raw = raw_at(sight, c, u, v);
-  Float3 p;
-  p.z = raw >= camera.first_depth && ray.x != sensing::no_ray ? static_cast<float>(raw) * camera.depth_unit : 0.0F;
-  p.x = ray.x * p.z;
-  p.y = ray.y * p.z;
-  return p;
-}
-
-bool same_surface(const Float3& a, const Float3& b) {
-  float step = a.z - b.z;
-  return b.z > 0.0F && std::abs(step) <= surface_step_m();
+  const bool has_data = raw >= camera.first_depth && ray.x != sensing::no_ray;
+  const float depth = has_data ? static_cast<float>(raw) * camera.depth_unit : 0;
+  return {ray.x * depth, ray.y * depth, depth};
 }
 
 /// From one neighbour to the other if both are on the surface, else between one of them and the pixel; 0 if neither is.
-Float3 tangent(const Float3& at, const Float3& before, const Float3& after) {
-  const bool has_before = same_surface(at, before);
-  const bool has_after = same_surface(at, after);
-  Float3 from = at;
-  Float3 to = at;
-  if (has_before) from = before;
-  if (has_after) to = after;
-  return minus(to, from);
+glm::vec3 tangent(const glm::vec3& at, const glm::vec3& before, const glm::vec3& after) {
+  const auto on_surface = [&](const glm::vec3& p) { return p.z > 0 && std::abs(at.z - p.z) <= surface_step_m; };
+  return (on_surface(after) ? after : at) - (on_surface(before) ? before : at);
 }
 
 }  // namespace
@@ -63,18 +47,18 @@ std::vector<SightCamera> sight_cameras(std::span<const sensing::Camera> cameras,
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const sensing::Camera& camera = cameras[i];
     const sensing::CameraTable& table = tables.cameras[i];
-    const Transform& pose = camera.T_world_camera;
-    const Transform view = glm::inverse(pose);
     const auto single = [](double value) { return static_cast<float>(value); };
     const auto& [k1, k2, p1, p2, k3] = camera.distortion;
-    out.push_back({.pose_x = sensing::row_of(pose, 0),
-                   .pose_y = sensing::row_of(pose, 1),
-                   .pose_z = sensing::row_of(pose, 2),
-                   .view_x = sensing::row_of(view, 0),
-                   .view_y = sensing::row_of(view, 1),
-                   .view_z = sensing::row_of(view, 2),
-                   .lens = {single(camera.fx), single(camera.fy), single(camera.cx), single(camera.cy)},
-                   .distortion = {single(k1), single(k2), single(p1), single(p2)},
+    out.push_back({.T_world_camera = glm::mat4(camera.T_world_camera),
+                   .T_camera_world = glm::mat4(glm::inverse(camera.T_world_camera)),
+                   .fx = single(camera.fx),
+                   .fy = single(camera.fy),
+                   .cx = single(camera.cx),
+                   .cy = single(camera.cy),
+                   .k1 = single(k1),
+                   .k2 = single(k2),
+                   .p1 = single(p1),
+                   .p2 = single(p2),
                    .k3 = single(k3),
                    .reach = table.reach * 1.01F,  // a little more for rounding
                    .depth_unit = single(camera.depth_unit_m),
@@ -101,36 +85,24 @@ SeenPixel pixel_of(const Sight& sight, std::uint32_t point) {
   return {c, pixel % camera.width, pixel / camera.width};
 }
 
-Float3 seen_from(const SightCamera& camera, const Float3& world) {
-  const Float3 r = rotated(camera.view_x, camera.view_y, camera.view_z, world);
-  Float3 p;
-  p.x = r.x + camera.view_x.w;
-  p.y = r.y + camera.view_y.w;
-  p.z = r.z + camera.view_z.w;
-  return p;
+glm::vec3 seen_from(const SightCamera& camera, const glm::vec3& world) {
+  return rotated(camera.T_camera_world, world) + glm::vec3(camera.T_camera_world[3]);
 }
 
-Appearance appearance(const SightCamera& camera, const Float3& world) {
-  const Float3 p = seen_from(camera, world);
-  Appearance a;
-  a.u = 0U;
-  a.v = 0U;
-  a.depth = 0.0F;
-  if (!(p.z > 1e-3F)) return a;
-  float x = p.x / p.z;
-  float y = p.y / p.z;
-  float r2 = x * x + y * y;
-  if (!(r2 <= camera.reach)) return a;
-  float radial = 1.0F + r2 * (camera.distortion.x + r2 * (camera.distortion.y + r2 * camera.k3));
-  float xd = x * radial + 2.0F * camera.distortion.z * x * y + camera.distortion.w * (r2 + 2.0F * x * x);
-  float yd = y * radial + camera.distortion.z * (r2 + 2.0F * y * y) + 2.0F * camera.distortion.w * x * y;
-  float u = std::floor(camera.lens.x * xd + camera.lens.z + 0.5F);
-  float v = std::floor(camera.lens.y * yd + camera.lens.w + 0.5F);
-  if (!(u >= 0.0F && v >= 0.0F && u < float(camera.width) && v < float(camera.height))) return a;
-  a.u = std::uint32_t(u);
-  a.v = std::uint32_t(v);
-  a.depth = p.z;
-  return a;
+Appearance appearance(const SightCamera& camera, const glm::vec3& world) {
+  const glm::vec3 p = seen_from(camera, world);
+  if (!(p.z > 1e-3F)) return {};
+  const float x = p.x / p.z, y = p.y / p.z;
+  const float r2 = x * x + y * y;
+  if (!(r2 <= camera.reach)) return {};
+  const float radial = 1.0F + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
+  const float xd = x * radial + 2.0F * camera.p1 * x * y + camera.p2 * (r2 + 2.0F * x * x);
+  const float yd = y * radial + camera.p1 * (r2 + 2.0F * y * y) + 2.0F * camera.p2 * x * y;
+  const float u = std::floor(camera.fx * xd + camera.cx + 0.5F), v = std::floor(camera.fy * yd + camera.cy + 0.5F);
+  const bool in_picture =
+      u >= 0 && v >= 0 && u < static_cast<float>(camera.width) && v < static_cast<float>(camera.height);
+  if (!in_picture) return {};
+  return {static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v), p.z};
 }
 
 float noise_at(float depth) {
@@ -155,34 +127,31 @@ bool is_firm(const Sight& sight, std::uint32_t point) {
   return near >= company;
 }
 
-Float3 normal_at(const Sight& sight, std::uint32_t point) {
+glm::vec3 normal_at(const Sight& sight, std::uint32_t point) {
   const auto [c, u, v] = pixel_of(sight, point);
   const SightCamera& camera = sight.cameras[c];
   constexpr std::uint32_t far = normal_pixels;
-  const Float3 nothing{0, 0, 0};
-  const Float3 at = point_of(sight, c, u, v);
-  const Float3 across = tangent(at, u >= far ? point_of(sight, c, u - far, v) : nothing,
-                                u + far < camera.width ? point_of(sight, c, u + far, v) : nothing);
-  const Float3 down = tangent(at, v >= far ? point_of(sight, c, u, v - far) : nothing,
-                              v + far < camera.height ? point_of(sight, c, u, v + far) : nothing);
-  Float3 normal = cross3(across, down);
-  if (!(dot3(normal, normal) > 1e-16F)) return nothing;
-  if (dot3(normal, at) > 0.0F) normal = scaled(normal, -1.0F);
-  return unit(rotated(camera.pose_x, camera.pose_y, camera.pose_z, normal));
+  const glm::vec3 nothing{0};
+  const glm::vec3 at = point_of(sight, c, u, v);
+  const glm::vec3 across = tangent(at, u >= far ? point_of(sight, c, u - far, v) : nothing,
+                                   u + far < camera.width ? point_of(sight, c, u + far, v) : nothing);
+  const glm::vec3 down = tangent(at, v >= far ? point_of(sight, c, u, v - far) : nothing,
+                                 v + far < camera.height ? point_of(sight, c, u, v + far) : nothing);
+  const glm::vec3 normal = glm::cross(across, down);
+  if (!(glm::dot(normal, normal) > 1e-16F)) return nothing;
+  return glm::normalize(rotated(camera.T_world_camera, glm::dot(normal, at) > 0 ? -normal : normal));
 }
 
 SampledContacts sample_contacts(const Finger& finger) {
-  constexpr std::uint32_t none = 0xffffffffU;
-  std::array<std::uint32_t, most_samples> least{};
-  least.fill(none);
+  std::array<std::optional<std::uint32_t>, most_samples> least{};
   for (const std::uint32_t i : finger.contacts) {
     const std::uint32_t hash = i * sample_hash;
-    std::uint32_t& slot = least[hash >> sample_shift];
-    slot = std::min(slot, hash);
+    std::optional<std::uint32_t>& bucket = least[hash >> sample_shift];
+    if (!bucket || hash < *bucket) bucket = hash;
   }
   SampledContacts contacts;
-  for (const std::uint32_t hash : least) {
-    if (hash != none) contacts.push_back(hash * sample_unhash);
+  for (const auto& hash : least) {
+    if (hash) contacts.push_back(*hash * sample_unhash);
   }
   return contacts;
 }
@@ -191,15 +160,15 @@ SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& fi
   SkinSamples samples;
   for (const std::uint32_t place : sample_contacts(finger)) {
     const Contact& contact = touch.contacts[place];
-    const Float3 normal = normal_at(sight, contact.point);
-    if (dot3(normal, normal) > 0) samples.push_back({float3(contact.position), normal});
+    const glm::vec3 normal = normal_at(sight, contact.point);
+    if (glm::dot(normal, normal) > 0) samples.push_back({contact.position, normal});
   }
   return samples;
 }
 
-Float3 inside_of(const SkinSample& sample, float finger_width) {
+glm::vec3 inside_of(const SkinSample& sample, float finger_width) {
   // The inside of a finger lies below its skin by this share of its greatest width.
-  return minus(sample.position, scaled(sample.normal, 0.36F * finger_width));
+  return sample.position - sample.normal * (0.36F * finger_width);
 }
 
 }  // namespace palpa::touch

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <span>
 #include <vector>
 
@@ -16,15 +17,9 @@ namespace palpa::touch {
 
 /// A camera with the data to use its picture in both directions: pixel to point and point to pixel.
 struct SightCamera {
-  shader::vec4 pose_x;  // rows of T_world_camera
-  shader::vec4 pose_y;
-  shader::vec4 pose_z;
-  shader::vec4 view_x;  // rows of T_camera_world
-  shader::vec4 view_y;
-  shader::vec4 view_z;
-  shader::vec4 lens;        // fx, fy, cx, cy
-  shader::vec4 distortion;  // k1, k2, p1, p2
-  float k3;
+  glm::mat4 T_world_camera, T_camera_world;
+  float fx, fy, cx, cy;
+  float k1, k2, p1, p2, k3;
   float reach;                // the square of the longest ray of the picture: beyond it the lens model may fold back
   float depth_unit;           // metres
   std::uint32_t first_depth;  // raw depths below are no data
@@ -54,19 +49,17 @@ struct SeenPixel {
 SeenPixel pixel_of(const Sight& sight, std::uint32_t point);
 
 /// A place in a camera's coordinates.
-Float3 seen_from(const SightCamera& camera, const Float3& world);
+glm::vec3 seen_from(const SightCamera& camera, const glm::vec3& world);
 
 /// The pixel and depth at which a place in front of a camera appears. Outside the picture: depth 0.
 struct Appearance {
-  std::uint32_t u, v;
-  float depth;
+  std::uint32_t u = 0, v = 0;
+  float depth = 0;
 };
-Appearance appearance(const SightCamera& camera, const Float3& world);
+Appearance appearance(const SightCamera& camera, const glm::vec3& world);
 
 /// A larger step in depth than this is the edge of another object.
-inline float surface_step_m() {
-  return 4e-3F;
-}
+inline constexpr float surface_step_m = 4e-3F;
 
 /// How much two depths at this distance from a camera may differ on one surface, metres: a depth camera's noise grows
 /// with the distance. A valley is at least as deep.
@@ -77,11 +70,11 @@ bool is_firm(const Sight& sight, std::uint32_t point);
 
 /// The skin's outward normal at a contact's pixel. It is zero if the pixel's neighbours do not give one: such pixels
 /// lie on rims or float beside them.
-Float3 normal_at(const Sight& sight, std::uint32_t point);
+glm::vec3 normal_at(const Sight& sight, std::uint32_t point);
 
 /// A contact that represents others, and the skin's outward normal at that contact.
 struct SkinSample {
-  Float3 position, normal;
+  glm::vec3 position, normal;
 };
 
 /// At most most_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore
@@ -94,6 +87,6 @@ using SkinSamples = InplaceVector<SkinSample, most_samples>;
 SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);
 
 /// The point inside a finger of that width, below its skin.
-Float3 inside_of(const SkinSample& sample, float finger_width);
+glm::vec3 inside_of(const SkinSample& sample, float finger_width);
 
 }  // namespace palpa::touch

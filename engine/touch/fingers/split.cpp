@@ -27,10 +27,10 @@ bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, 
 
 /// Whether samples of two known fingers are in it.
 bool holds_several(const KnownLabels& labels) {
-  std::uint32_t first = known_none;
-  for (const std::uint32_t label : labels) {
-    if (label == known_none) continue;
-    if (first != known_none && label != first) return true;
+  WhichKnown first;
+  for (const WhichKnown& label : labels) {
+    if (!label) continue;
+    if (first && label != first) return true;
     first = label;
   }
   return false;
@@ -51,25 +51,24 @@ float splitting_width(const FingerOptions& parameters) {
 using PerPart = std::array<std::uint32_t, most_samples>;
 
 /// The number of contacts that a part needs of which `finger` is the known finger, if any.
-std::uint32_t least_of(const FingerOptions& parameters, const Known& known, std::uint32_t finger) {
-  return least_contacts(parameters.min_points, known.has(known_few) && finger != known_none);
+std::uint32_t least_of(const FingerOptions& parameters, const Known& known, const WhichKnown& finger) {
+  return least_contacts(parameters.min_points, known.rules.few && finger);
 }
 
 /// Fills `wide`: the parts of a cluster, and the part of each of its contacts: that of its nearest sample.
 void assign_parts(const Sight& sight, const Touch& touch, const FingerSkin& skin, const Known& known, float width,
                   SplitWork::Wide& wide) {
-  const bool by_insides = (known.rules & known_apart) != 0;
+  const bool by_insides = known.rules.apart;
   const SkinSamples& samples = skin.samples;
-  wide.parts =
-      find_parts(sight, samples, width, by_insides ? skin.labels : KnownLabels(samples.size(), known_none), known);
+  wide.parts = find_parts(sight, samples, width, by_insides ? skin.labels : KnownLabels(samples.size(), {}), known);
   wide.counts = {};
   wide.part_of.clear();
   if (!wide.parts.several()) return;
   for (const std::uint32_t i : touch.fingers[wide.finger].contacts) {
-    SkinSample here{float3(touch.contacts[i].position), {0, 0, 0}};
+    SkinSample here{touch.contacts[i].position, glm::vec3(0)};
     if (by_insides) here.normal = normal_at(sight, touch.contacts[i].point);
-    const bool has_inside = dot3(here.normal, here.normal) > 0;
-    const Float3 p = has_inside ? inside_of(here, width) : here.position;
+    const bool has_inside = glm::dot(here.normal, here.normal) > 0;
+    const glm::vec3 p = has_inside ? inside_of(here, width) : here.position;
     std::size_t nearest = 0;
     float nearest_square = 3.0e38F;
     for (std::size_t s = 0; s < samples.size(); ++s) {
@@ -88,9 +87,8 @@ void keep_whole(const FingerOptions& parameters, const Known& known, SplitWork::
   std::array<std::uint8_t, most_samples> to{};
   for (std::size_t part = 0; part < most_samples; ++part) {
     to[part] = static_cast<std::uint8_t>(part);
-    const std::uint32_t finger = wide.parts.known[part];
-    if (wide.counts[part] == 0 || finger == known_none || wide.counts[part] >= least_of(parameters, known, finger))
-      continue;
+    const WhichKnown finger = wide.parts.known[part];
+    if (wide.counts[part] == 0 || !finger || wide.counts[part] >= least_of(parameters, known, finger)) continue;
     for (std::size_t other = 0; other < most_samples; ++other) {
       if (wide.parts.known[other] == finger && wide.counts[other] > wide.counts[to[part]])
         to[part] = static_cast<std::uint8_t>(other);
@@ -104,20 +102,122 @@ void keep_whole(const FingerOptions& parameters, const Known& known, SplitWork::
 }
 
 /// Sorts the contacts of a finger by their parts, to the end of `sorted`. Returns where each part begins.
-PerPart sort_by_parts(const Finger& finger, const PerPart& counts, const std::vector<std::uint8_t>& part_of,
-                      std::vector<std::uint32_t>& sorted) {
+PerPart sort_by_parts(const Finger& finger, const SplitWork::Wide& wide, std::vector<std::uint32_t>& sorted) {
   PerPart begins{};
   auto next = static_cast<std::uint32_t>(sorted.size());
   for (std::size_t part = 0; part < most_samples; ++part) {
     begins[part] = next;
-    next += counts[part];
+    next += wide.counts[part];
   }
   sorted.resize(next);
   PerPart places = begins;
-  for (std::size_t k = 0; k < part_of.size(); ++k)
-    sorted[places[part_of[k]]++] = finger.contacts[k];
+  for (std::size_t k = 0; k < wide.part_of.size(); ++k)
+    sorted[places[wide.part_of[k]]++] = finger.contacts[k];
   return begins;
 }
+
+/// One frame's work, in the order of its steps.
+struct Splitting {
+  const Sight& sight;
+  const FingerOptions& parameters;
+  const Known& known;
+  Touch& out;
+  FingerSkins& skins;
+  SplitWork& work;
+  float width = splitting_width(parameters);
+  std::array<bool, max_fingers> dropped{};
+  bool changed = false;
+
+  void look() {
+    work.wide_count = 0;
+    for (std::uint32_t f = 0; f < out.finger_count; ++f) {
+      const FingerSkin& skin = skins[f] = look_at(sight, known, out, out.fingers[f]);
+      dropped[f] = !is_supported(sight, out, out.fingers[f], known.rules.few && skin.known);
+      if (!dropped[f] && may_be_several(skin)) work.wide[work.wide_count++].finger = f;
+      changed = changed || dropped[f];
+    }
+  }
+  bool may_be_several(const FingerSkin& skin) const {
+    const bool apart = known.rules.apart;
+    const float widest = apart && skin.known ? known_wide * width : width;
+    return width > 0 && (is_wide(skin.samples, widest) || (apart && holds_several(skin.labels)));
+  }
+
+  void find_all_parts() {
+    const auto find = [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (SplitWork::Wide& wide : std::span(work.wide).subspan(begin, end - begin)) {
+        assign_parts(sight, out, skins[wide.finger], known, width, wide);
+        if (known.rules.whole && wide.parts.several()) keep_whole(parameters, known, wide);
+      }
+    };
+    // Other threads cost more than they gain for the few clusters of a hand.
+    constexpr std::uint32_t many = 4;
+    work.wide_count >= many ? parallel_chunks(work.wide_count, 1, find) : find(0, 0, work.wide_count);
+    for (const SplitWork::Wide& wide : work.wide_now()) {
+      for (std::uint32_t k = 0; known.table != nullptr && k < max_fingers; ++k)
+        known.doubt(k, wide.parts.doubts[k]);
+    }
+  }
+
+  /// Lists the clusters after the split; of parts, also the contacts.
+  void list_clusters() {
+    work.clusters.clear();
+    work.contacts.clear();
+    const SplitWork::Wide* wide = work.wide.data();
+    const SplitWork::Wide* const end = wide + work.wide_count;
+    for (std::uint32_t f = 0; f < out.finger_count; ++f) {
+      const Finger& finger = out.fingers[f];
+      const bool is_wide = wide != end && wide->finger == f;
+      if (is_wide && wide->parts.several()) {
+        list_parts(finger, *wide);
+      } else if (!dropped[f]) {
+        work.clusters.push_back({finger.contacts.front(), finger.solid, f, 0, finger.contact_count});
+      }
+      if (is_wide) ++wide;
+    }
+  }
+  void list_parts(const Finger& finger, const SplitWork::Wide& wide) {
+    changed = true;
+    const PerPart begins = sort_by_parts(finger, wide, work.contacts);
+    for (std::size_t part = 0; part < most_samples; ++part) {
+      const std::uint32_t size = wide.counts[part];
+      if (size == 0 || size < least_of(parameters, known, wide.parts.known[part])) continue;
+      work.clusters.push_back({work.contacts[begins[part]], finger.solid, {}, begins[part], size});
+    }
+  }
+
+  /// The clusters become the fingers. If there are too many, the largest stay.
+  void take_clusters() {
+    for (SplitWork::Cluster& cluster : work.clusters) {
+      if (!cluster.finger) continue;
+      const std::vector<std::uint32_t>& all = out.fingers[*cluster.finger].contacts;
+      cluster.begin = static_cast<std::uint32_t>(work.contacts.size());
+      work.contacts.insert(work.contacts.end(), all.begin(), all.end());
+    }
+    const auto found = static_cast<std::uint32_t>(work.clusters.size());
+    if (found > max_fingers) {
+      std::ranges::sort(work.clusters, [](const SplitWork::Cluster& a, const SplitWork::Cluster& b) {
+        return a.count != b.count ? a.count > b.count : a.first < b.first;
+      });
+      work.clusters.resize(max_fingers);
+    }
+    std::ranges::sort(work.clusters, {}, &SplitWork::Cluster::first);
+    out.cluster_count = out.cluster_count - out.finger_count + found;
+    out.finger_count = std::min(found, max_fingers);
+    if (out.fingers.size() < out.finger_count) out.fingers.resize(out.finger_count);
+    for (std::uint32_t f = 0; f < out.finger_count; ++f)
+      take_cluster(f, work.clusters[f]);
+    std::swap(work.skins, skins);
+  }
+  void take_cluster(std::uint32_t f, const SplitWork::Cluster& cluster) {
+    const auto contacts = std::span(work.contacts).subspan(cluster.begin, cluster.count);
+    Finger& finger = out.fingers[f];
+    finger.solid = cluster.solid;
+    finger.contact_count = cluster.count;
+    finger.contacts.assign(contacts.begin(), contacts.end());
+    work.skins[f] = cluster.finger ? skins[*cluster.finger] : look_at(sight, known, out, finger);
+  }
+};
 
 }  // namespace
 
@@ -127,89 +227,11 @@ SplitWork::SplitWork() : skins(max_fingers), wide(max_fingers) {
 
 void split_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, Touch& out,
                    FingerSkins& skins, SplitWork& work) {
-  const float width = splitting_width(parameters);
-  const std::uint32_t count = out.finger_count;
-  const bool apart = (known.rules & known_apart) != 0;
-  enum class Fate : std::uint8_t { dropped, stays, may_split };
-  std::array<Fate, max_fingers> fates;
-  fates.fill(Fate::dropped);
-  std::uint32_t wide_count = 0;
-  for (std::uint32_t f = 0; f < count; ++f) {
-    const FingerSkin& skin = skins[f] = look_at(sight, known, out, out.fingers[f]);
-    const bool is_known = skin.known != known_none;
-    if (!is_supported(sight, out, out.fingers[f], known.has(known_few) && is_known)) continue;
-    fates[f] = Fate::stays;
-    const float widest = apart && is_known ? known_wide * width : width;
-    if (!(width > 0) || !(is_wide(skin.samples, widest) || (apart && holds_several(skin.labels)))) continue;
-    fates[f] = Fate::may_split;
-    work.wide[wide_count++].finger = f;
-  }
-  const auto find = [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (SplitWork::Wide& wide : std::span(work.wide).subspan(begin, end - begin)) {
-      assign_parts(sight, out, skins[wide.finger], known, width, wide);
-      if (known.has(known_whole) && wide.parts.several()) keep_whole(parameters, known, wide);
-    }
-  };
-  // Other threads cost more than they gain for the few clusters of a hand.
-  constexpr std::uint32_t many = 4;
-  wide_count >= many ? parallel_chunks(wide_count, 1, find) : find(0, 0, wide_count);
-
-  bool changed = false;
-  std::uint32_t next_wide = 0;
-  work.clusters.clear();
-  work.contacts.clear();
-  for (std::uint32_t f = 0; f < count; ++f) {
-    const Finger& finger = out.fingers[f];
-    if (fates[f] == Fate::dropped) {
-      changed = true;
-      continue;
-    }
-    const SplitWork::Wide* const wide = fates[f] == Fate::may_split ? &work.wide[next_wide++] : nullptr;
-    if (wide == nullptr || !wide->parts.several()) {
-      work.clusters.push_back({finger.contacts.front(), finger.solid, f, 0, finger.contact_count});
-      continue;
-    }
-    changed = true;
-    const auto begins = sort_by_parts(finger, wide->counts, wide->part_of, work.contacts);
-    for (std::size_t part = 0; part < most_samples; ++part) {
-      const std::uint32_t size = wide->counts[part];
-      if (size == 0 || size < least_of(parameters, known, wide->parts.known[part])) continue;
-      work.clusters.push_back({work.contacts[begins[part]], finger.solid, SplitWork::is_part, begins[part], size});
-    }
-  }
-  for (const SplitWork::Wide& wide : std::span(work.wide).first(wide_count)) {
-    for (std::uint32_t k = 0; k < max_fingers; ++k) {
-      if (wide.parts.doubts[k] != 0) known.doubt(k, wide.parts.doubts[k]);
-    }
-  }
-  if (!changed) return;
-  for (SplitWork::Cluster& cluster : work.clusters) {
-    if (cluster.finger == SplitWork::is_part) continue;
-    const std::vector<std::uint32_t>& all = out.fingers[cluster.finger].contacts;
-    cluster.begin = static_cast<std::uint32_t>(work.contacts.size());
-    work.contacts.insert(work.contacts.end(), all.begin(), all.end());
-  }
-  const auto found = static_cast<std::uint32_t>(work.clusters.size());
-  if (found > max_fingers) {  // the largest stay
-    std::ranges::sort(work.clusters, [](const SplitWork::Cluster& a, const SplitWork::Cluster& b) {
-      return a.count != b.count ? a.count > b.count : a.first < b.first;
-    });
-    work.clusters.resize(max_fingers);
-  }
-  std::ranges::sort(work.clusters, {}, &SplitWork::Cluster::first);
-  out.cluster_count = out.cluster_count - count + found;
-  out.finger_count = std::min(found, max_fingers);
-  if (out.fingers.size() < out.finger_count) out.fingers.resize(out.finger_count);
-  for (std::uint32_t f = 0; f < out.finger_count; ++f) {
-    const SplitWork::Cluster& cluster = work.clusters[f];
-    const auto contacts = std::span(work.contacts).subspan(cluster.begin, cluster.count);
-    Finger& finger = out.fingers[f];
-    finger.solid = cluster.solid;
-    finger.contact_count = cluster.count;
-    finger.contacts.assign(contacts.begin(), contacts.end());
-    work.skins[f] = cluster.finger == SplitWork::is_part ? look_at(sight, known, out, finger) : skins[cluster.finger];
-  }
-  std::swap(work.skins, skins);
+  Splitting splitting{sight, parameters, known, out, skins, work};
+  splitting.look();
+  splitting.find_all_parts();
+  splitting.list_clusters();
+  if (splitting.changed) splitting.take_clusters();
 }
 
 }  // namespace palpa::touch

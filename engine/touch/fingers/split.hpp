@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "touch/fingers/known_labels.hpp"
@@ -22,13 +24,12 @@ namespace palpa::touch {
 struct SplitWork {
   SplitWork();
 
-  static constexpr std::uint32_t is_part = 0xffffffffU;
   /// A cluster after the split.
   struct Cluster {
     std::uint32_t first = 0;  ///< its smallest contact
     std::uint32_t solid = 0;
-    std::uint32_t finger = is_part;      ///< the finger that it is; is_part: it is a part of one
-    std::uint32_t begin = 0, count = 0;  ///< its contacts in `contacts`
+    std::optional<std::uint32_t> finger{};  ///< the finger that it is; nothing: it is a part of one
+    std::uint32_t begin = 0, count = 0;     ///< its contacts in `contacts`
   };
   std::vector<Cluster> clusters;
   std::vector<std::uint32_t> contacts;
@@ -40,7 +41,10 @@ struct SplitWork {
     std::vector<std::uint8_t> part_of;                 ///< of its contacts
     std::array<std::uint32_t, most_samples> counts{};  ///< contacts of each part
   };
-  std::vector<Wide> wide;  ///< room for max_fingers
+  std::vector<Wide> wide;        ///< in the order of their fingers; room for max_fingers
+  std::uint32_t wide_count = 0;  ///< of this frame
+
+  std::span<Wide> wide_now() { return std::span(wide).first(wide_count); }
 };
 
 /// Splits the fingers of `out`, whose contacts' points are pixels of the pictures. Fingers stay in the order of their

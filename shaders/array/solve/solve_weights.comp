@@ -3,7 +3,7 @@
 #include "shaders/array/solve/solve_inputs.glsl"
 
 // The factors of each slot's foci from its matrix, for slots of many foci and for back-propagation: one workgroup per
-// slot, a thread per row (or two).
+// slot, a thread per row (or two). gs_pat.hpp says why few foci have a kernel of their own.
 layout(local_size_x = 32) in;
 
 layout(std430, set = 0, binding = 5) readonly buffer Matrices { vec2 matrices[]; };

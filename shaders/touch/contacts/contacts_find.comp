@@ -3,7 +3,6 @@
 #include "shaders/touch/contacts/contacts.h"
 #include "shaders/touch/contacts/contacts_chunk.glsl"
 #include "shaders/shared/scan.h"
-#include "shaders/touch/contacts/contacts_math.h"
 #include "shaders/touch/contacts/reach.h"
 
 // Eq. (1) for every skin point: inside all planes of a solid, and less than delta below the nearest. The results are a
@@ -26,11 +25,11 @@ layout(std430, set = 0, binding = 9) writeonly buffer DeepCounts { uint deep_cou
 layout(std430, set = 0, binding = 10) readonly buffer Reach { ReachTable reach; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
-#include "shaders/touch/contacts/contacts_planes.glsl"
+#include "shaders/touch/contacts/contacts_math.h"
 
-float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
-  const float depth =
-      plane_cell_depth(p, solid.low.xyz, solid.cells_per_metre.xyz, solid.cells_per_axis, solid.first_cell, delta, with_deep);
+float look(SolidRecord solid, Float3 p, float delta, out bool shell) {
+  const uint cell = cell_of(p, solid.low, solid.cells_per_metre, solid.cells_per_axis);
+  const float depth = plane_cell_depth(solid.first_cell + cell, p, delta, with_deep);
   shell = depth < delta;
   return depth;
 }

@@ -4,7 +4,6 @@
 #include "shaders/touch/contacts/contacts_chunk.glsl"
 #include "shaders/shared/scan.h"
 #include "shaders/touch/contacts/surface_math.h"
-#include "shaders/touch/contacts/contacts_math.h"
 #include "shaders/touch/contacts/reach.h"
 
 // Like contacts_find, for scenes with a solid that is tested by its surface or by its parts. Each thread looks up its
@@ -33,27 +32,23 @@ layout(set = 0, binding = 15) uniform usamplerBuffer parts_words;
 layout(std430, set = 0, binding = 16) readonly buffer Reach { ReachTable reach; };
 layout(push_constant) uniform Push { ContactsPush push; };
 
+#include "shaders/touch/contacts/contacts_math.h"
 #define PALPA_PARTS_WORD(i) texelFetch(parts_words, int(i))
 #include "shaders/touch/contacts/parts_depth.h"
-
-#include "shaders/touch/contacts/contacts_planes.glsl"
 #include "shaders/touch/contacts/surface_query.glsl"
 
-float look(SolidRecord solid, vec3 p, float delta, out bool shell) {
-  const Float3 at = Float3(p.x, p.y, p.z);
+float look(SolidRecord solid, Float3 p, float delta, out bool shell) {
   float depth;
   if (with_parts && solid.asked_by == asked_by_parts) {
-    const uint cell = parts_cell(at, Float3(solid.low.x, solid.low.y, solid.low.z),
-                                 Float3(solid.cells_per_metre.x, solid.cells_per_metre.y, solid.cells_per_metre.z),
-                                 solid.cells_per_axis);
-    depth = parts_depth(solid.first_cell, cell, at, with_deep ? 3.0e38 : delta);
+    const uint cell = cell_of(p, solid.low, solid.cells_per_metre, solid.cells_per_axis);
+    depth = parts_depth(solid.first_cell, cell, p, with_deep ? 3.0e38 : delta);
   } else if (one_solid || solid.asked_by == asked_by_surface) {  // a single convex solid uses contacts_find
-    const SurfaceCell cell =
-        surface_cell(p, solid.low.xyz, solid.cells_per_metre.x, solid.cells_per_axis, solid.first_cell);
-    return surface_depth(cell, at, delta, shell);
+    const SurfaceCell cell = surface_cell(vec3(p.x, p.y, p.z), solid.low.xyz, solid.cells_per_metre.x,
+                                          solid.cells_per_axis, solid.first_cell);
+    return surface_depth(cell, p, delta, shell);
   } else {
-    depth = plane_cell_depth(p, solid.low.xyz, solid.cells_per_metre.xyz, solid.cells_per_axis, solid.first_cell, delta,
-                             with_deep);
+    const uint cell = cell_of(p, solid.low, solid.cells_per_metre, solid.cells_per_axis);
+    depth = plane_cell_depth(solid.first_cell + cell, p, delta, with_deep);
   }
   shell = depth < delta;
   return depth;

@@ -1,6 +1,6 @@
 // The common part of the kernels that look for contacts. In walk(), a group goes over its range of the points and
 // leaves a bit and a Hit for each contact, and their number. Include this file after the definition of
-//   float look(SolidRecord solid, vec3 p, float delta, out bool shell)
+//   float look(SolidRecord solid, Float3 p, float delta, out bool shell)
 // It returns the depth inside the solid of a point of the solid's box, in the solid's coordinates, and whether it is
 // less than delta. 0: outside, or deeper if deep points are not asked for.
 shared uint found[contacts_most_words];
@@ -8,27 +8,31 @@ shared uint deep_found[contacts_most_words];
 shared uint sum, deep_sum;
 
 // The finger around which the point lies, or reach_none.
-uint reaching_finger(vec3 point) {
+uint reaching_finger(Float3 point) {
   if (push.elapsed_us == reach_none) return reach_none;
   const uint count = min(reach.count, reach_most_fingers);
   const float elapsed_s = seconds_of(push.elapsed_us);
   for (uint k = 0u; k < count; ++k) {
-    if (is_around(reach.fingers[k], Float3(point.x, point.y, point.z), elapsed_s)) return k;
+    if (is_around(reach.fingers[k], point, elapsed_s)) return k;
   }
   return reach_none;
 }
 
+bool in_box(vec3 p, vec3 low, vec3 high) {
+  return all(greaterThanEqual(p, low)) && all(lessThanEqual(p, high));
+}
+
 // The first solid that the point is a contact of, with its depth. If there is none and deep points are asked for, the
 // first solid in which it is a deep point. Depth 0: neither.
-Hit find_at(vec3 point, out bool deep) {
+Hit find_at(Float3 point, out bool deep) {
   deep = false;
   Hit hit = Hit(0u, 0.0);
   const uint count = one_solid ? 1u : push.solids;
   for (uint s = 0u; s < count && (hit.depth == 0.0 || deep); ++s) {
     SolidRecord solid = push.only;
     if (!one_solid) solid = solids[s];
-    const vec3 p = in_solid(point, solid.centre.xyz, solid.turn);
-    if (!in_box(p, solid.low.xyz, solid.high.xyz)) continue;
+    const Float3 p = in_solid(point, solid.centre, solid.turn);
+    if (!in_box(vec3(p.x, p.y, p.z), solid.low.xyz, solid.high.xyz)) continue;
     const float delta = solid.delta > 0.0 ? solid.delta : push.delta;
     bool shell;
     const float depth = look(solid, p, delta, shell);
@@ -41,17 +45,14 @@ Hit find_at(vec3 point, out bool deep) {
 
 // A point around a known finger that is about to end is also tested deeper and shallower. There is one loop, so that the
 // test is compiled once.
-Hit find(vec3 point, out bool deep) {
+Hit find(Float3 point, out bool deep) {
   Hit hit = Hit(0u, 0.0);
   deep = false;
   const uint finger = reaching_finger(point);
   const uint tests = finger == reach_none ? 1u : 3u;
   for (uint t = 0u; t < tests; ++t) {
-    vec3 at = point;
-    if (t > 0u) {
-      const Float3 other = shifted(Float3(point.x, point.y, point.z), reach.fingers[finger].inward, t == 1u);
-      at = vec3(other.x, other.y, other.z);
-    }
+    Float3 at = point;
+    if (t > 0u) at = shifted(point, reach.fingers[finger].inward, t == 1u);
     bool is_deep;
     const Hit here = find_at(at, is_deep);
     const bool shell = here.depth != 0.0 && !is_deep;
@@ -92,7 +93,7 @@ void walk() {
   barrier();
 
   for (uint i = first + thread; i < last; i += contacts_group) {
-    const vec3 point = uintBitsToFloat(points[i].xyz);
+    const Float3 point = xyz_of(uintBitsToFloat(points[i]));
     if (!is_finite(point.x) || !is_finite(point.y) || !is_finite(point.z)) continue;
     bool deep;
     const Hit hit = find(point, deep);

@@ -80,20 +80,6 @@ PALPA_FN float square_to_triangle(PALPA_PARTS_TABLE uint at, Float3 p) {
   return third < least ? third : least;
 }
 
-PALPA_FN uint parts_cell_along(float p, float low, float cells_per_metre, uint per_axis) {
-  const float along = product(p - low, cells_per_metre);
-  const uint cell = along > 0.0f ? uint(along) : 0u;
-  return cell < per_axis ? cell : per_axis - 1u;
-}
-
-// The cell of a point in the box, counting from the solid's first.
-PALPA_FN uint parts_cell(Float3 p, Float3 low, Float3 cells_per_metre, uint per_axis) {
-  const uint x = parts_cell_along(p.x, low.x, cells_per_metre.x, per_axis);
-  const uint y = parts_cell_along(p.y, low.y, cells_per_metre.y, per_axis);
-  const uint z = parts_cell_along(p.z, low.z, cells_per_metre.z, per_axis);
-  return (z * per_axis + y) * per_axis + x;
-}
-
 // Depth of p (relative to the solid's centre, inside its box) below the surface; 0 if it is in no part. If the cell
 // shows that the depth is at least `limit`, the result is also 0: the caller does not need it. `cell` counts from the
 // solid's first cell.

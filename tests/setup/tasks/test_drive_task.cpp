@@ -107,8 +107,8 @@ TEST(DriveTask, RefusesFociAndOptionsOutOfRange) {
   EXPECT_ERROR(setup::make_drive(array::Layout{}, std::vector<AskedFocus>{{{0, 0, 0.1}}}, {}), Exit::usage,
                "has no transducers");
   // Its sound refers to its body and to the layout, which must both stay where they are.
-  static_assert(!std::is_move_constructible_v<setup::FingerInSound>);
-  static_assert(!std::is_constructible_v<setup::FingerInSound, geometry::Mesh, array::Layout, FocusingOptions>);
+  static_assert(!std::is_move_constructible_v<setup::BodyInSound>);
+  static_assert(!std::is_constructible_v<setup::BodyInSound, geometry::Mesh, array::Layout, FocusingOptions>);
 }
 
 }  // namespace

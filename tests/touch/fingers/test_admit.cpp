@@ -17,7 +17,7 @@ constexpr std::uint32_t frame_us = 11111;
 /// A camera that sees a wall at 0.5 m, frame after frame. A patch of the wall is a cluster.
 class Frames {
  public:
-  std::uint32_t rules = ~0U;
+  HysteresisRules rules;
 
   void begin() {
     touch_ = {};
@@ -44,7 +44,7 @@ class Frames {
     const Known known{frame_us, rules, has_before_ ? table_.get() : nullptr, width_m};
     for (std::uint32_t f = 0; f < touch_.finger_count; ++f)
       skins_[f] = look_at(sight, known, touch_, touch_.fingers[f]);
-    const ClaimList claims = admit_fingers(sight, parameters_, known, *table_, touch_, skins_);
+    const Courses courses = admit_fingers(sight, parameters_, known, *table_, touch_, skins_);
     std::vector<std::uint32_t> contacts;
     table_->count = touch_.finger_count;
     for (std::uint32_t f = 0; f < touch_.finger_count; ++f) {
@@ -52,12 +52,12 @@ class Frames {
       EXPECT_EQ(finger.contact_count, finger.contacts.size());
       contacts.push_back(finger.contact_count);
       KnownFinger& kept = table_->fingers[f];
-      kept = {.samples = static_cast<std::uint32_t>(skins_[f].samples.size()),
-              .fall = next_fall(claims[f].fall, finger.contact_count)};
-      for (std::uint32_t s = 0; s < kept.samples; ++s) {
-        const Float3 inside = table_->insides[f][s] = inside_of(skins_[f].samples[s], width_m);
-        kept.low = s == 0 ? inside : lowest(kept.low, inside);
-        kept.high = s == 0 ? inside : highest(kept.high, inside);
+      kept = {.insides = {}, .course = {.fall = next_fall(courses[f].fall, finger.contact_count)}};
+      for (const SkinSample& sample : skins_[f].samples) {
+        const glm::vec3 inside = inside_of(sample, width_m);
+        kept.low = kept.insides.empty() ? inside : glm::min(kept.low, inside);
+        kept.high = kept.insides.empty() ? inside : glm::max(kept.high, inside);
+        kept.insides.push_back(inside);
       }
     }
     has_before_ = true;
@@ -85,7 +85,7 @@ using Contacts = std::vector<std::uint32_t>;
 
 TEST(Admit, HalfOfMinPointsIsForTheHeirOnly) {
   Frames frames;
-  frames.rules &= ~known_whole;
+  frames.rules.whole = false;
   frames.begin();
   frames.add(40, 40, 12);
   ASSERT_EQ(frames.admit(), Contacts{144});
@@ -168,8 +168,8 @@ TEST(Admit, WhereAFingerHasEndedOnlySkinThatPressesBeginsAtOnce) {
 
 // ---- contacts that join or leave are no motion ----
 
-std::vector<Float3> patch(const Float3& from, int columns, int rows) {
-  std::vector<Float3> places;
+std::vector<glm::vec3> patch(const glm::vec3& from, int columns, int rows) {
+  std::vector<glm::vec3> places;
   for (int x = 0; x < columns; ++x) {
     for (int z = 0; z < rows; ++z)
       places.push_back({from.x + 1e-3F * static_cast<float>(x), from.y, from.z + 1e-3F * static_cast<float>(z)});
@@ -178,11 +178,11 @@ std::vector<Float3> patch(const Float3& from, int columns, int rows) {
 }
 
 TEST(Members, ThatJoinOrLeaveMoveTheCentroid) {
-  const std::vector<Float3> before = patch({0, 0, 0}, 12, 8);
-  std::vector<Float3> now = patch({1e-3F, 0, 0}, 12, 8), more = patch({30e-3F, 0, 0}, 6, 8);
+  const std::vector<glm::vec3> before = patch({0, 0, 0}, 12, 8);
+  std::vector<glm::vec3> now = patch({1e-3F, 0, 0}, 12, 8), more = patch({30e-3F, 0, 0}, 6, 8);
   now.insert(now.end(), more.begin(), more.end());
   // Of 144 contacts, 48 have their middle 26 mm further on than the others.
-  const Float3 joined = moved_by_members(before, now, {0, 0, 0});
+  const glm::vec3 joined = moved_by_members(before, now, {0, 0, 0});
   EXPECT_NEAR(joined.x, 26e-3 / 3, 1e-5);
   EXPECT_NEAR(joined.y, 0, 1e-7);
   EXPECT_NEAR(joined.z, 0, 1e-7);
@@ -190,7 +190,7 @@ TEST(Members, ThatJoinOrLeaveMoveTheCentroid) {
 }
 
 TEST(Members, ThatStayMoveTheSkin) {
-  const std::vector<Float3> before = patch({0, 0, 0}, 12, 8);
+  const std::vector<glm::vec3> before = patch({0, 0, 0}, 12, 8);
   for (const float way : {0.0F, 2e-3F, 5e-3F}) {
     EXPECT_EQ(moved_by_members(before, patch({way, 0, 0}, 12, 8), {0, 0, 0}).x, 0) << way;
     EXPECT_EQ(moved_by_members(before, patch({0.1F + way, 0, 0}, 12, 8), {0.1F, 0, 0}).x, 0) << way;

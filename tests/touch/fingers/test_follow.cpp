@@ -10,7 +10,6 @@
 #include <random>
 #include <set>
 
-#include "touch/fingers/follow_math.hpp"
 #include "touch/harness.hpp"
 
 namespace palpa::touch::test {

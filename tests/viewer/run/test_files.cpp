@@ -11,6 +11,7 @@
 #include "cli/support/every_command.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
+#include "support/boards.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer_here.hpp"
@@ -101,12 +102,11 @@ TEST_F(ViewerFiles, WhatALiveRunReadsIsNotWritten) {
     expect_refused(with(live_, {"--link", "record:" + path(file)}), read_);
   // The guard, another process, reads these. Only the program knows links to boards.
   fs::create_directories(folder_ / "boards");
-  write_text(folder_ / "boards/sonicsurface.txt", "0\n");
+  const std::string file = "boards/" + test::serial_board_file();
+  write_text(folder_ / file, "0\n");
   for (const char* output : {"--screenshot", "--json", "--events"}) {
     first_ = true;
-    expect_refused(
-        with(live_, {"--link", "openmpd", "--board-files", path("boards"), output, path("boards/sonicsurface.txt")}),
-        read_);
+    expect_refused(with(live_, {"--link", "openmpd", "--board-files", path("boards"), output, path(file)}), read_);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "acoustics/bodies/tracked_finger.hpp"
+#include "acoustics/bodies/moving_body.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -18,8 +18,8 @@ constexpr std::size_t together = 64;
 
 }  // namespace
 
-TrackedFinger::TrackedFinger(std::shared_ptr<const RigidBody> body, const Air& air, array::Directivity directivity,
-                             const std::atomic<bool>* give_up)
+MovingBody::MovingBody(std::shared_ptr<const RigidBody> body, const Air& air, array::Directivity directivity,
+                       const std::atomic<bool>* give_up)
     : body_(std::move(body)), air_(without_absorption(air)), directivity_(directivity), places_(body_->patches()) {
   const std::vector<FewPlaces> clusters = few_places(*body_, tolerance, give_up);
   for (const FewPlaces& cluster : clusters) {
@@ -51,8 +51,8 @@ TrackedFinger::TrackedFinger(std::shared_ptr<const RigidBody> body, const Air& a
   }
 }
 
-std::vector<TrackedFinger::Heard> TrackedFinger::hear(std::span<const Vec3> foci, const array::Layout& layout,
-                                                      const std::atomic<bool>* give_up) const {
+std::vector<MovingBody::Heard> MovingBody::hear(std::span<const Vec3> foci, const array::Layout& layout,
+                                                const std::atomic<bool>* give_up) const {
   const std::size_t few = heard_at_.size(), transducers = layout.transducers.size();
   std::vector<Heard> heard;
   std::vector<std::complex<double>> strengths(foci.size() * few);

@@ -26,12 +26,12 @@
 
 namespace palpa::acoustics {
 
-class TrackedFinger {
+class MovingBody {
  public:
   /// The body's wave number is that of `air`. Absorption is left out, as in the solvers. Throws GivenUp
   /// (base/system/parallel.hpp) soon after `give_up` became true.
-  TrackedFinger(std::shared_ptr<const RigidBody> body, const Air& air, array::Directivity directivity,
-                const std::atomic<bool>* give_up = nullptr);
+  MovingBody(std::shared_ptr<const RigidBody> body, const Air& air, array::Directivity directivity,
+             const std::atomic<bool>* give_up = nullptr);
 
   struct Heard {
     Vec3 place;                               ///< on the skin
