@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hand_classes.hpp"
+#include "touch/stage_setting.hpp"
 
 namespace palpa::test {
 
