@@ -1,5 +1,6 @@
-# Writes HEADER: the commit that SOURCE is at, as PALPA_COMMIT. Run at each build; the header changes only with the commit.
-# PALPA_COMMIT in the environment replaces it, for sources without their history. Otherwise, such sources have none.
+# Writes HEADER: the commit that SOURCE is at, as PALPA_COMMIT. Run at each build; the header changes only with the
+# commit. PALPA_COMMIT in the environment replaces it, for sources without their history. Otherwise, such sources have
+# none.
 cmake_minimum_required(VERSION 3.25)
 set(commit "$ENV{PALPA_COMMIT}")
 if(commit STREQUAL "" AND EXISTS ${SOURCE}/.git)

@@ -58,7 +58,8 @@ endif()
 # What `palpa --version` says of them.
 find_package(CLI11 REQUIRED)
 set(PALPA_FEATURES "")
-foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "liblo:${LIBLO_FOUND}" "D-Bus:${DBUS_FOUND}" "SDL2:${SDL2_FOUND}" "V-HACD:${PALPA_VHACD_DIR}")
+foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsense2_FOUND}" "liblo:${LIBLO_FOUND}"
+        "D-Bus:${DBUS_FOUND}" "SDL2:${SDL2_FOUND}" "V-HACD:${PALPA_VHACD_DIR}")
   string(REGEX MATCH "^([^:]+):(.*)$" match ${feature})
   if(CMAKE_MATCH_2)
     string(APPEND PALPA_FEATURES "+${CMAKE_MATCH_1} ")
@@ -68,10 +69,13 @@ foreach(feature IN ITEMS "viewer:${PALPA_BUILD_VIEWER}" "librealsense2:${realsen
 endforeach()
 string(STRIP "${PALPA_FEATURES}" PALPA_FEATURES)
 set(PALPA_LIBRARIES "")
-foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "D-Bus ${DBUS_VERSION}" "draco ${draco_VERSION}" "fmt ${fmt_VERSION}" "GLFW ${glfw3_VERSION}"
-                         "liblo ${LIBLO_VERSION}" "libmd ${LIBMD_VERSION}" "libpng ${PNG_VERSION_STRING}" "libusb ${LIBUSB_VERSION}"
-                         "lz4 ${LZ4_VERSION}" "meshoptimizer ${meshoptimizer_VERSION}" "nlohmann-json ${nlohmann_json_VERSION}"
-                         "OpenBLAS ${OPENBLAS_VERSION}" "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "tinygltf ${TINYGLTF_VERSION}" "toml++ ${tomlplusplus_VERSION}"
+foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "D-Bus ${DBUS_VERSION}" "draco ${draco_VERSION}"
+                         "fmt ${fmt_VERSION}" "GLFW ${glfw3_VERSION}"
+                         "liblo ${LIBLO_VERSION}" "libmd ${LIBMD_VERSION}" "libpng ${PNG_VERSION_STRING}"
+                         "libusb ${LIBUSB_VERSION}" "lz4 ${LZ4_VERSION}" "meshoptimizer ${meshoptimizer_VERSION}"
+                         "nlohmann-json ${nlohmann_json_VERSION}" "OpenBLAS ${OPENBLAS_VERSION}"
+                         "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "tinygltf ${TINYGLTF_VERSION}"
+                         "toml++ ${tomlplusplus_VERSION}"
                          "Vulkan ${Vulkan_VERSION}" "zlib ${ZLIB_VERSION_STRING}")
   if(library MATCHES " [0-9]")
     string(APPEND PALPA_LIBRARIES "${library}, ")

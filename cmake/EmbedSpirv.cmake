@@ -2,8 +2,8 @@
 # the names of the buffers that it binds (engine/gpu/kernel.hpp). Run by palpa_shaders.
 file(READ ${SPV} hex HEX)
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${hex}")
-string(REGEX REPLACE "((0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,)(0x[0-9a-f]+,))"
-       "\\1\n" words "${words}")
+string(REPEAT "(0x[0-9a-f]+,)" 8 eight)
+string(REGEX REPLACE "(${eight})" "\\1\n" words "${words}")
 cmake_path(GET SHADER FILENAME file)
 string(MAKE_C_IDENTIFIER ${file} name)
 
@@ -61,7 +61,8 @@ function(kernel_buffers NAMES TEXELS)
     math(EXPR last "${count} - 1")
     foreach(number RANGE ${last})
       if(NOT DEFINED name_${number})
-        message(FATAL_ERROR "${SHADER}: binds ${count} buffers, but none at ${number}: number them from 0 without a gap")
+        message(FATAL_ERROR
+                "${SHADER}: binds ${count} buffers, but none at ${number}: number them from 0 without a gap")
       endif()
       list(APPEND names ${name_${number}})
       list(APPEND texels ${texel_${number}})
@@ -96,7 +97,8 @@ if(kind STREQUAL ".comp")
     "  return {&${name}, {${members}}};\n}\n}  // namespace palpa::spirv\n")
 else()
   string(APPEND text
-    "namespace palpa::spirv {\ninline constexpr std::uint32_t ${name}[] = {\n${words}};\n}  // namespace palpa::spirv\n")
+    "namespace palpa::spirv {\ninline constexpr std::uint32_t ${name}[] = {\n${words}};\n"
+    "}  // namespace palpa::spirv\n")
 endif()
 file(WRITE ${HEADER} "${text}")
 # glslang writes the .spv as the target of the rule, but the build system needs the header.

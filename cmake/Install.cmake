@@ -16,7 +16,8 @@ install(TARGETS ${libraries} palpa_everything EXPORT palpaTargets
 
 # Libraries include each other as "touch/types.hpp", and the structs that they share with shaders as
 # "shaders/touch/contacts/contacts.h".
-install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev
+        FILES_MATCHING PATTERN "*.hpp")
 install(DIRECTORY driver viewer shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev
   FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")
 

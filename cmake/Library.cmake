@@ -1,8 +1,9 @@
 # Third-party headers that many sources include are parsed once for all sources built with the same flags. None of
 # palpa's own headers are among them. The compiler does not report a source that forgets to include them;
 # tests/house/includes.py does (./dev check).
-set(PALPA_COMMON_HEADERS <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream> <functional>
-  <limits> <map> <memory> <numbers> <numeric> <optional> <random> <span> <string> <string_view> <thread> <utility> <vector>
+set(PALPA_COMMON_HEADERS <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <fstream>
+  <functional> <limits> <map> <memory> <numbers> <numeric> <optional> <random> <span> <string> <string_view> <thread>
+  <utility> <vector>
   <glm/glm.hpp>)
 
 # palpa_common_headers(TARGET LINKS ... HEADERS ...): a target that only parses the common headers and the given ones.
@@ -29,7 +30,8 @@ function(palpa_library NAME)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/engine>
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/palpa>)
-  target_link_libraries(${target} PUBLIC ${LIBRARY_PUBLIC} PRIVATE ${LIBRARY_PRIVATE} fmt::fmt $<BUILD_INTERFACE:palpa_options>)
+  target_link_libraries(${target} PUBLIC ${LIBRARY_PUBLIC} PRIVATE ${LIBRARY_PRIVATE} fmt::fmt
+                        $<BUILD_INTERFACE:palpa_options>)
   target_precompile_headers(${target} REUSE_FROM palpa_headers)
   if(LIBRARY_SHADERS)
     palpa_shaders(${target} ${LIBRARY_SHADERS})
@@ -58,13 +60,14 @@ function(palpa_test_computes)
 endfunction()
 
 # palpa_test(NAME SOURCES ... [LINKS ...] [LABELS ...] [COST SECONDS] [NEEDS ...] [DEFINES ...] [SHADERS ...] [WAITS]
-# [LIVE] [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER. ctest
-# runs it once for each topic, with only the tests of the topic's sources (tests/support/main.cpp). Building NAME builds
-# that program. ALONE: the topic has its own program. A test may include the embedded SPIR-V ("spirv/name.comp.hpp") of
-# any library that it links. COST is the approximate time of long tests in seconds. ctest starts these first; after a first
-# run, it knows the times itself. WAITS: the test mostly waits for clocks and for programs that wait; two such tests run
-# in the place of one that computes. LIVE: its outcome depends on how fast the machine is, because it needs real
-# processes, clocks, terminals or windows; it gets the label live, and only ./dev test live runs it. NEEDS: additional targets that must be built.
+# [LIVE] [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER.
+# ctest runs it once for each topic, with only the tests of the topic's sources (tests/support/main.cpp). Building NAME
+# builds that program. ALONE: the topic has its own program. A test may include the embedded SPIR-V
+# ("spirv/name.comp.hpp") of any library that it links. COST is the approximate time of long tests in seconds. ctest
+# starts these first; after a first run, it knows the times itself. WAITS: the test mostly waits for clocks and for
+# programs that wait; two such tests run in the place of one that computes. LIVE: its outcome depends on how fast the
+# machine is, because it needs real processes, clocks, terminals or windows; it gets the label live, and only ./dev test
+# live runs it. NEEDS: additional targets that must be built.
 function(palpa_test NAME)
   cmake_parse_arguments(TEST "ALONE;WAITS;LIVE" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
   # A build that looks for data races builds nothing else.
@@ -108,8 +111,9 @@ function(palpa_test NAME)
   if(TEST_COST)
     set_tests_properties(${NAME} PROPERTIES COST ${TEST_COST})
   endif()
-  # A driver that compiles on the processor caches its shaders. Tests that start palpa wait until one run has filled the cache;
-  # otherwise, the first few topics would all compile the same shaders. Builds with sanitizers use what the build without has cached.
+  # A driver that compiles on the processor caches its shaders. Tests that start palpa wait until one run has filled the
+  # cache; otherwise, the first few topics would all compile the same shaders. Builds with sanitizers use what the build
+  # without has cached.
   if(TEST_LINKS MATCHES "palpa_test_(cli|touch_json)" AND NOT PALPA_SANITIZE)
     set_tests_properties(${NAME} PROPERTIES FIXTURES_REQUIRED shaders)
   endif()

@@ -1,6 +1,6 @@
-# cmake -DPALPA=... -DVIEWER=... -DVERSION=... -DOUT=... -DCHANGES=... -DCONTACT=... -P Manual.cmake: the pages for man, which help2man writes
-# from the programs' help, and the completions for shells, as the programs print them. VIEWER may be empty. Pages are compressed without
-# their times, so that the same program gives the same bytes.
+# cmake -DPALPA=... -DVIEWER=... -DVERSION=... -DOUT=... -DCHANGES=... -DCONTACT=... -P Manual.cmake: the pages for man,
+# which help2man writes from the programs' help, and the completions for shells, as the programs print them. VIEWER may
+# be empty. Pages are compressed without their times, so that the same program gives the same bytes.
 file(REMOVE_RECURSE ${OUT})
 file(MAKE_DIRECTORY ${OUT}/man ${OUT}/bash ${OUT}/zsh ${OUT}/fish)
 
@@ -21,8 +21,9 @@ function(page NAME PROGRAM HELP SUMMARY)
   execute_process(
     COMMAND ${HELP2MAN} --no-info --name=${SUMMARY} --version-string=${NAME}\ ${VERSION} --source=palpa\ ${VERSION}
             --include=${OUT}/also --help-option=${HELP} ./${file}
-    COMMAND sed -e "/^\\.SH EXAMPLES/,/^\\.\\(PP\\|SS\\)/{/^\\.IP/d;s/^\\.SH.*/&\\n.nf/;s/^\\.[PS][PS]/.fi\\n&/;s/^\\\\-/    &/}"
-                -e "s/\\([a-z]\\)|\\([a-z]\\)/\\1|\\\\:\\2/g"
+    COMMAND sed
+      -e "/^\\.SH EXAMPLES/,/^\\.\\(PP\\|SS\\)/{/^\\.IP/d;s/^\\.SH.*/&\\n.nf/;s/^\\.[PS][PS]/.fi\\n&/;s/^\\\\-/    &/}"
+      -e "s/\\([a-z]\\)|\\([a-z]\\)/\\1|\\\\:\\2/g"
     WORKING_DIRECTORY ${folder} OUTPUT_FILE ${OUT}/man/${NAME}.1 COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND gzip -n9 ${OUT}/man/${NAME}.1 COMMAND_ERROR_IS_FATAL ANY)
   file(REMOVE ${OUT}/also)
@@ -48,7 +49,8 @@ set(date "$ENV{SOURCE_DATE_EPOCH}")
 if(NOT date STREQUAL "")
   set(date "-d@${date}")
 endif()
-execute_process(COMMAND date -u -R ${date} OUTPUT_VARIABLE date OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND date -u -R ${date} OUTPUT_VARIABLE date
+                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 file(STRINGS ${CHANGES} lines)
 set(text "")
 set(change "")

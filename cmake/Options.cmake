@@ -55,8 +55,8 @@ if(PALPA_SANITIZE)
     -fsanitize=${PALPA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer
     $<${of_tests}:-fno-sanitize=null,alignment,vptr>)
   target_link_options(palpa_options INTERFACE -fsanitize=${PALPA_SANITIZE})
-  # Undefined behaviour stops the program at an illegal instruction, and AddressSanitizer then reports the file and line.
-  # For reports that also give the values, the compiler would add half a million records of data, which the tests'
+  # Undefined behaviour stops the program at an illegal instruction, and AddressSanitizer then reports the file and
+  # line. For reports that also give the values, the compiler would add half a million records of data, which the tests'
   # thousands of programs would all register when they start. The check of virtual tables needs these records: it is
   # part of the preset tsan.
   if(PALPA_SANITIZE MATCHES "address" AND PALPA_SANITIZE MATCHES "undefined")
@@ -70,7 +70,8 @@ if(PALPA_SANITIZE)
   set(PALPA_ASAN_LIBRARY libasan.so)
   if(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND PALPA_SANITIZE MATCHES "address")
     set(PALPA_ASAN_LIBRARY libclang_rt.asan-${CMAKE_SYSTEM_PROCESSOR}.so)
-    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${PALPA_ASAN_LIBRARY} OUTPUT_VARIABLE library OUTPUT_STRIP_TRAILING_WHITESPACE)
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${PALPA_ASAN_LIBRARY} OUTPUT_VARIABLE library
+                    OUTPUT_STRIP_TRAILING_WHITESPACE)
     cmake_path(GET library PARENT_PATH folder)
     target_link_options(palpa_options INTERFACE -shared-libasan LINKER:-rpath,${folder})
   endif()
@@ -83,10 +84,11 @@ if(PALPA_SANITIZE)
   endforeach()
   # The sanitizers' data on every check and global is full of addresses. A position-independent program has to relocate
   # over a million of them at every start, and tests start thousands of programs.
-  # The libraries stay position-independent, because they are in the Python module, too; in a program, the linker resolves
-  # their addresses.
+  # The libraries stay position-independent, because they are in the Python module, too; in a program, the linker
+  # resolves their addresses.
   if(NOT PALPA_SANITIZE MATCHES "thread")
-    target_compile_options(palpa_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>:-fno-pie>)
+    target_compile_options(palpa_options
+                           INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>:-fno-pie>)
     target_link_options(palpa_options INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-no-pie>)
   endif()
   # The programs have about 100 MB each. LLVM's linker, if installed, takes less than half the time.
@@ -99,8 +101,8 @@ if(PALPA_COVERAGE)
   target_compile_options(palpa_options INTERFACE --coverage)
   target_link_options(palpa_options INTERFACE --coverage)
 endif()
-# palpa_computes(SOURCE...): with sanitizers, the tests would spend more than half of their time in these sources, so the
-# compiler optimises them.
+# palpa_computes(SOURCE...): with sanitizers, the tests would spend more than half of their time in these sources, so
+# the compiler optimises them.
 function(palpa_computes)
   if(PALPA_SANITIZE)
     set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)

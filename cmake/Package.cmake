@@ -1,8 +1,10 @@
-# Debian packages with CPack (./dev package): palpa, palpa-viewer, libpalpa-dev and python3-palpa. The target palpa_manual makes what the
-# programs say about themselves, and everything that is installed; it is not part of an ordinary build.
+# Debian packages with CPack (./dev package): palpa, palpa-viewer, libpalpa-dev and python3-palpa. The target
+# palpa_manual makes what the programs say about themselves, and everything that is installed; it is not part of an
+# ordinary build.
 set(manual ${PROJECT_BINARY_DIR}/manual)
 # The authors of the commits. A person who distributes packages gives a name and an address of their own.
-set(PALPA_PACKAGE_MAINTAINER "Seed 09e3c03d maintainers <maintainers@users.noreply.h-seed-09e3c03d.example>" CACHE STRING "Maintainer of Debian packages")
+set(PALPA_PACKAGE_MAINTAINER "Seed 09e3c03d maintainers <maintainers@users.noreply.h-seed-09e3c03d.example>"
+    CACHE STRING "Maintainer of Debian packages")
 set(contact ${PALPA_PACKAGE_MAINTAINER})
 set(viewer "")
 if(PALPA_BUILD_VIEWER)
@@ -20,15 +22,20 @@ endif()
 
 set(data ${CMAKE_INSTALL_DATADIR})
 set(sources ${PROJECT_SOURCE_DIR}/cmake/package)
-install(DIRECTORY ${manual}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT palpa OPTIONAL FILES_MATCHING PATTERN "*.gz")
+install(DIRECTORY ${manual}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT palpa
+        OPTIONAL FILES_MATCHING PATTERN "*.gz")
 install(FILES ${manual}/bash/palpa DESTINATION ${data}/bash-completion/completions COMPONENT palpa OPTIONAL)
 install(FILES ${manual}/zsh/_palpa DESTINATION ${data}/zsh/vendor-completions COMPONENT palpa OPTIONAL)
 install(FILES ${manual}/fish/palpa.fish DESTINATION ${data}/fish/vendor_completions.d COMPONENT palpa OPTIONAL)
 if(PALPA_BUILD_VIEWER)
-  install(FILES ${manual}/viewer/man/palpa-viewer.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT palpa-viewer OPTIONAL)
-  install(FILES ${manual}/viewer/palpa-viewer DESTINATION ${data}/bash-completion/completions COMPONENT palpa-viewer OPTIONAL)
-  install(FILES ${manual}/viewer/_palpa-viewer DESTINATION ${data}/zsh/vendor-completions COMPONENT palpa-viewer OPTIONAL)
-  install(FILES ${manual}/viewer/palpa-viewer.fish DESTINATION ${data}/fish/vendor_completions.d COMPONENT palpa-viewer OPTIONAL)
+  install(FILES ${manual}/viewer/man/palpa-viewer.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT palpa-viewer
+          OPTIONAL)
+  install(FILES ${manual}/viewer/palpa-viewer DESTINATION ${data}/bash-completion/completions COMPONENT palpa-viewer
+          OPTIONAL)
+  install(FILES ${manual}/viewer/_palpa-viewer DESTINATION ${data}/zsh/vendor-completions COMPONENT palpa-viewer
+          OPTIONAL)
+  install(FILES ${manual}/viewer/palpa-viewer.fish DESTINATION ${data}/fish/vendor_completions.d COMPONENT palpa-viewer
+          OPTIONAL)
   install(FILES ${sources}/palpa-viewer.desktop DESTINATION ${data}/applications COMPONENT palpa-viewer)
   install(FILES ${sources}/palpa-viewer.svg DESTINATION ${data}/icons/hicolor/scalable/apps COMPONENT palpa-viewer)
   install(FILES ${sources}/org.palpa.viewer.metainfo.xml DESTINATION ${data}/metainfo COMPONENT palpa-viewer)
@@ -78,8 +85,9 @@ describe(palpa science "" "feel a 3-D model in mid-air: command line"
          "This package has the command, the process that holds an array's board, models\nand documentation.")
 describe(palpa-viewer science "palpa (= ${PROJECT_VERSION})" "feel a 3-D model in mid-air: viewer"
          "This package has the viewer, which shows a touch or a live run in a window or\nas a picture.")
-set(dev libvulkan-dev libvulkan-volk-dev libglm-dev libfmt-dev libpng-dev zlib1g-dev libcli11-dev libdraco-dev libmeshoptimizer-dev libtomlplusplus-dev
-        nlohmann-json3-dev libqhull-dev libusb-1.0-0-dev liblz4-dev libmd-dev pkg-config)
+set(dev libvulkan-dev libvulkan-volk-dev libglm-dev libfmt-dev libpng-dev zlib1g-dev libcli11-dev libdraco-dev
+        libmeshoptimizer-dev libtomlplusplus-dev nlohmann-json3-dev libqhull-dev libusb-1.0-0-dev liblz4-dev libmd-dev
+        pkg-config)
 if(LIBLO_FOUND)
   list(APPEND dev liblo-dev)
 endif()
@@ -90,12 +98,14 @@ list(JOIN dev ", " dev)
 if(TARGET palpa_python)
   # The module is for one minor version of Python only. The models and the process that holds a board are in palpa.
   math(EXPR next "${PALPA_PYTHON_MINOR} + 1")
-  describe(python3-palpa python "python3 (>= 3.${PALPA_PYTHON_MINOR}), python3 (<< 3.${next}), python3-numpy, palpa (= ${PROJECT_VERSION})"
+  describe(python3-palpa python
+           "python3 (>= 3.${PALPA_PYTHON_MINOR}), python3 (<< 3.${next}), python3-numpy, palpa (= ${PROJECT_VERSION})"
            "feel a 3-D model in mid-air: Python module"
            "This package has the module palpa for Python, with arrays of NumPy.")
   # Python compiles the module's sources when the package is installed, and what it made goes with the package.
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/python3-palpa/postinst CONTENT
-       "#!/bin/sh\nset -e\nif command -v py3compile >/dev/null; then py3compile -p python3-palpa; fi\n" NEWLINE_STYLE UNIX)
+       "#!/bin/sh\nset -e\nif command -v py3compile >/dev/null; then py3compile -p python3-palpa; fi\n"
+       NEWLINE_STYLE UNIX)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/python3-palpa/prerm CONTENT
        "#!/bin/sh\nset -e\nif command -v py3clean >/dev/null; then py3clean -p python3-palpa; fi\n" NEWLINE_STYLE UNIX)
   file(CHMOD ${PROJECT_BINARY_DIR}/python3-palpa/postinst ${PROJECT_BINARY_DIR}/python3-palpa/prerm PERMISSIONS

@@ -31,7 +31,8 @@ function(palpa_find_vhacd)
     endif()
   endif()
 
-  set(missing "palpa decompose and --surface parts are left out; install npm and build again, or give -DPALPA_VHACD_HEADER=/path/to/VHACD.h")
+  string(CONCAT missing "palpa decompose and --surface parts are left out; install npm and build again, or give "
+         "-DPALPA_VHACD_HEADER=/path/to/VHACD.h")
   if(NOT PALPA_FETCH_VHACD)
     message(NOTICE "V-HACD: not asked for; ${missing}")
     return()

@@ -146,70 +146,79 @@ void LocalServer::carry(Client& client, double now_s) {
   }
 }
 
+/// The client has closed its end. Data that it had not transferred when it died never comes.
+void LocalServer::leave(Client& client, double now_s) {
+  close(std::exchange(client.fd, -1));
+  if (!std::exchange(client.owner, false)) return;
+  client.transfers.clear();
+  peripheral_.closed(now_s);
+}
+
+void LocalServer::describe(const Client& client, const LocalMessage& message) {
+  const auto& identity = peripheral_.identity();
+  LocalIdentity reply;
+  reply.vendor = identity.vendor;
+  reply.product = identity.product;
+  reply.release = identity.release;
+  identity.serial.copy(reply.serial.data(), reply.serial.size() - 1);
+  answer(client, message, {reinterpret_cast<const std::uint8_t*>(&reply), sizeof reply});
+}
+
+void LocalServer::claim(Client& client, LocalMessage message) {
+  const bool owned = std::any_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.owner; });
+  message.outcome = owned ? Outcome::stalled : Outcome::done;
+  client.endpoint = static_cast<std::uint8_t>(message.number);
+  client.owner = client.owner || !owned;
+  answer(client, message);
+}
+
+void LocalServer::request(const Client& client, LocalMessage message, double now_s) {
+  std::array<std::uint8_t, 256> in{};
+  std::size_t filled = 0;
+  message.outcome = peripheral_.control(now_s, message.setup,
+                                        std::span(in).first(std::min<std::size_t>(message.bytes, in.size())), filled);
+  if (tap_ != nullptr) tap_->control(now_s, message.setup, std::span(in).first(filled));
+  answer(client, message, std::span(in).first(filled));
+}
+
+void LocalServer::take(Client& client, LocalMessage message, std::span<const std::uint8_t> bytes, double now_s) {
+  switch (message.kind) {
+    case LocalMessage::describe:
+      return describe(client, message);
+    case LocalMessage::claim:
+      return claim(client, message);
+    case LocalMessage::request:
+      return request(client, message, now_s);
+    case LocalMessage::bulk:
+      client.transfers.push_back({message.number, 0, {bytes.begin(), bytes.end()}});
+      return carry(client, now_s);
+    case LocalMessage::cancel:
+      return end_transfers(client, Outcome::cancelled, now_s);
+    case LocalMessage::clear_halt:
+      message.outcome = Outcome::done;
+      return answer(client, message);
+    default:
+      return;
+  }
+}
+
 /// Handles one packet. Returns false if there is no more. A client that is gone has no descriptor any more.
 bool LocalServer::hear(Client& client, const std::function<double()>& now) {
   const ssize_t came = recv(client.fd, packet_.data(), packet_.size(), 0);
   const double now_s = now();
   if (came < 0 && (errno == EAGAIN || errno == EINTR)) return false;
   if (came < static_cast<ssize_t>(sizeof(LocalMessage))) {
-    close(std::exchange(client.fd, -1));
-    if (std::exchange(client.owner, false)) {
-      // Data that the client had not transferred when it died never comes.
-      client.transfers.clear();
-      peripheral_.closed(now_s);
-    }
+    leave(client, now_s);
     return false;
   }
   LocalMessage message;
   std::memcpy(&message, packet_.data(), sizeof message);
-  const std::span<const std::uint8_t> bytes(packet_.data() + sizeof message,
-                                            static_cast<std::size_t>(came) - sizeof message);
-  const bool owned = std::any_of(clients_.begin(), clients_.end(), [](const Client& c) { return c.owner; });
   if (message.kind != LocalMessage::describe && message.kind != LocalMessage::claim && !client.owner) {
     message.outcome = Outcome::failed;
     answer(client, message);
     return true;
   }
-  switch (message.kind) {
-    case LocalMessage::describe: {
-      const auto& identity = peripheral_.identity();
-      LocalIdentity reply;
-      reply.vendor = identity.vendor;
-      reply.product = identity.product;
-      reply.release = identity.release;
-      identity.serial.copy(reply.serial.data(), reply.serial.size() - 1);
-      answer(client, message, {reinterpret_cast<const std::uint8_t*>(&reply), sizeof reply});
-      break;
-    }
-    case LocalMessage::claim:
-      message.outcome = owned ? Outcome::stalled : Outcome::done;
-      client.endpoint = static_cast<std::uint8_t>(message.number);
-      client.owner = client.owner || !owned;
-      answer(client, message);
-      break;
-    case LocalMessage::request: {
-      std::array<std::uint8_t, 256> in{};
-      std::size_t filled = 0;
-      message.outcome = peripheral_.control(
-          now_s, message.setup, std::span(in).first(std::min<std::size_t>(message.bytes, in.size())), filled);
-      if (tap_ != nullptr) tap_->control(now_s, message.setup, std::span(in).first(filled));
-      answer(client, message, std::span(in).first(filled));
-      break;
-    }
-    case LocalMessage::bulk:
-      client.transfers.push_back({message.number, 0, {bytes.begin(), bytes.end()}});
-      carry(client, now_s);
-      break;
-    case LocalMessage::cancel:
-      end_transfers(client, Outcome::cancelled, now_s);
-      break;
-    case LocalMessage::clear_halt:
-      message.outcome = Outcome::done;
-      answer(client, message);
-      break;
-    default:
-      break;
-  }
+  take(client, message, {packet_.data() + sizeof message, static_cast<std::size_t>(came) - sizeof message}, now_s);
   return true;
 }
 

@@ -56,6 +56,11 @@ class LocalServer {
 
   void listen_at_free_address();
   bool hear(Client& client, const std::function<double()>& now);
+  void leave(Client& client, double now_s);
+  void take(Client& client, LocalMessage message, std::span<const std::uint8_t> bytes, double now_s);
+  void describe(const Client& client, const LocalMessage& message);
+  void claim(Client& client, LocalMessage message);
+  void request(const Client& client, LocalMessage message, double now_s);
   void carry(Client& client, double now_s);
   void end_transfers(Client& client, Outcome outcome, double now_s);
   void end_transfer(Client& client, Outcome outcome, double now_s);

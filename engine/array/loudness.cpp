@@ -44,7 +44,7 @@ Loudness::Loudness(const Layout& layout, const DriveOptions& options)
 
 bool Loudness::asked(const Schedule& schedule) {
   return std::any_of(schedule.voices.begin(), schedule.voices.begin() + schedule.voice_count,
-                     [](const Voice& voice) { return voice.pressure_pa > 0; });
+                     [](const Voice& voice) { return voice.pressure_pa.has_value(); });
 }
 
 std::span<const Complex> Loudness::factors(std::uint32_t slot) const {
@@ -71,7 +71,7 @@ void Loudness::solve(Schedule& schedule, std::uint32_t slots) {
 
   demands_.clear();
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v)
-    demands_.push_back({0, schedule.voices[v].pressure_pa > 0});
+    demands_.push_back({0, schedule.voices[v].pressure_pa.has_value()});
   levels_.assign(demands_.size(), 1);
   factors_ = full_;
   double peak = 0;
@@ -128,7 +128,7 @@ void Loudness::add_part(const Schedule& schedule, Part& part) {
     const Voice& voice = schedule.voices[foci[j].voice];
     const double alone = part.matrix.alone(j);
     if (!drivable(foci[j]) || !(alone > 0)) continue;
-    const double full = voice.pressure_pa > 0 ? voice.pressure_pa / layout_.source_level_pa_m : alone;
+    const double full = voice.pressure_pa ? *voice.pressure_pa / layout_.source_level_pa_m : alone;
     const double target = full * voice.gain * part_of(voice, foci[j]);
     if (target > least_target) targets[j] = target;
   }
@@ -302,7 +302,7 @@ void Loudness::tell(Schedule& schedule) {
   constexpr double unheard = std::numeric_limits<double>::infinity();
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     Voice& voice = schedule.voices[v];
-    voice.target_pa = voice.pressure_pa > 0 ? voice.pressure_pa * voice.gain * levels_[v] : unheard;
+    voice.target_pa = voice.pressure_pa ? voice.asked_pa() * levels_[v] : unheard;
     voice.reached_pa = unheard;
   }
   for (const Slot& slot : used()) {
@@ -313,7 +313,7 @@ void Loudness::tell(Schedule& schedule) {
       const bool sounds = part > 0 && drivable(foci_[slot.first + j]);
       const double pascals = sounds ? layout_.source_level_pa_m * std::abs(heard_[j]) / part : 0;
       voice.reached_pa = std::min(*voice.reached_pa, pascals);
-      if (!(voice.pressure_pa > 0))
+      if (!voice.pressure_pa)
         voice.target_pa = std::min(voice.target_pa, own_pressure(slot, j) / std::max(part, least_modulation));
     }
   }

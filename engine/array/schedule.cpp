@@ -82,7 +82,7 @@ void foci_of_slot(const Schedule& schedule, std::uint64_t slot, std::vector<Slot
     const auto gain = static_cast<float>(voice.gain * modulation);
     const auto pressure =
         voice.reached_pa ? std::optional(voice.target_pa * std::max(modulation, least_modulation)) : std::nullopt;
-    const auto most = voice.pressure_pa > 0 ? std::optional(voice.pressure_pa * voice.gain) : std::nullopt;
+    const auto most = voice.pressure_pa ? std::optional(voice.asked_pa()) : std::nullopt;
     for (std::uint32_t together = 0; together < voice.foci_per_slot; ++together) {
       const std::uint32_t focus = voice.order[step * voice.foci_per_slot + together];
       if (focus < voice.foci.size()) out.push_back({voice.foci[focus] + way, gain, pressure, v, focus, most});

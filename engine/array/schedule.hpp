@@ -46,12 +46,15 @@ struct Voice {
   Modulation modulation = Modulation::pressure_sine;
   double gain = 1;  ///< intensity, 0..1: an amplitude that the modulation multiplies
   Course course;    ///< multiplies the gain, too
-  /// Requested peak pressure at each focus, at the crest of the modulation and a gain of 1; 0: no request.
-  double pressure_pa = 0;
+  /// Requested peak pressure at each focus, at the crest of the modulation and a gain of 1: above 0.
+  std::optional<double> pressure_pa;
   /// The part of the request, times the gain, that is played; loudness.hpp fills both values. `reached_pa` is the
   /// pressure at the weakest focus. It is nullopt if no voice of the schedule has a request.
   double target_pa = 0;
   std::optional<double> reached_pa;
+
+  /// The request, times the gain; 0 without one.
+  double asked_pa() const { return pressure_pa.value_or(0) * gain; }
 };
 
 /// How foci with a velocity move on from slot to slot. Each slot has a time, relative to the one at which the foci are

@@ -8,27 +8,58 @@ import math
 import os
 import pathlib
 import re
+import typing
 import urllib.parse
 
 from . import _engine  # type: ignore[attr-defined]  # it has no stub of its own
 
 MOST_CASES = 1_000_000
 NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?([a-zA-Z/]*)"
-UNITS = {"LENGTH": {"": 0, "m": 0, "cm": -2, "mm": -3, "um": -6}, "TIME": {"": 0, "s": 0, "ms": -3, "us": -6}, "N": {"": 0}, "CELSIUS": {"": 0},
-         "FREQUENCY": {"": 0, "Hz": 0, "kHz": 3, "MHz": 6}, "SPEED": {"": 0, "m/s": 0}, "PRESSURE": {"": 0, "Pa": 0, "kPa": 3}}
+# The units of each kind of number, as powers of ten of the SI unit.
+UNITS = {
+    "LENGTH": {"": 0, "m": 0, "cm": -2, "mm": -3, "um": -6},
+    "TIME": {"": 0, "s": 0, "ms": -3, "us": -6},
+    "N": {"": 0},
+    "CELSIUS": {"": 0},
+    "FREQUENCY": {"": 0, "Hz": 0, "kHz": 3, "MHz": 6},
+    "SPEED": {"": 0, "m/s": 0},
+    "PRESSURE": {"": 0, "Pa": 0, "kPa": 3},
+}
 SEVERAL = ("FILES", "POINTS")
 OF_THE_SWEEP = {"gpu", "backend", "validation", "allow_outside"}
-# The functions that a command's options belong to, options that are arguments of these, and of which options it needs one.
+
+
+class Command(typing.NamedTuple):
+    """What a command takes."""
+    functions: tuple  # of the module, whose options it has
+    arguments: dict  # what is an argument there -> its kind, or its words
+    needs: tuple  # one option of each of these groups
+    lacks: frozenset = frozenset()  # options of the functions that it does not have
+
+
 COMMANDS = {
-    "touch": (("Scene", "Scene.touch"), {"scene": "FILE", "points": "FILE", "depth": "FILES", "camera": "FILES", "rig": "FILE",
-                                         "penetration": "LENGTH"}, ("scene", "points depth")),
-    "drive": (("Layout.solve",), {"layout": "NAME|FILE", "focus": "POINTS", "null": "POINTS", "touch": "FILE", "slot": "N", "mesh": "FILE", "force": "FLAG"},
-              ("layout", "focus touch")),
-    "field": (("Layout.solve", "Layout.field"), {
-        "layout": "NAME|FILE", "focus": "POINTS", "null": "POINTS", "drive": "FILE", "plane": ("xy", "xz", "yz"), "centre": "LIST", "size": "LIST",
-        "pixels": "LIST", "line": "POINTS", "samples": "N", "points": "FILE"}, ("layout", "focus drive", "plane line points")),
-    "simulate": (("Scene", "simulate"), {"scene": "FILE", "finger": "FILE", "penetration": "LENGTH", "skin": ("vertices", "cameras"),
-                                         "noise_free": "FLAG", "force": "FLAG"}, ("scene", "finger")),
+    "touch": Command(
+        functions=("Scene", "Scene.touch"),
+        arguments={"scene": "FILE", "points": "FILE", "depth": "FILES", "camera": "FILES", "rig": "FILE",
+                   "penetration": "LENGTH"},
+        needs=(("scene",), ("points", "depth"))),
+    "drive": Command(
+        functions=("Layout.solve",),
+        arguments={"layout": "NAME|FILE", "focus": "POINTS", "null": "POINTS", "touch": "FILE", "slot": "N",
+                   "mesh": "FILE", "force": "FLAG"},
+        needs=(("layout",), ("focus", "touch"))),
+    "field": Command(
+        functions=("Layout.solve", "Layout.field"),
+        arguments={"layout": "NAME|FILE", "focus": "POINTS", "null": "POINTS", "drive": "FILE",
+                   "plane": ("xy", "xz", "yz"), "centre": "LIST", "size": "LIST", "pixels": "LIST",
+                   "line": "POINTS", "samples": "N", "points": "FILE"},
+        needs=(("layout",), ("focus", "drive"), ("plane", "line", "points")),
+        lacks=frozenset({"transfer"})),
+    "simulate": Command(
+        functions=("Scene", "simulate"),
+        arguments={"scene": "FILE", "finger": "FILE", "penetration": "LENGTH", "skin": ("vertices", "cameras"),
+                   "noise_free": "FLAG", "force": "FLAG"},
+        needs=(("scene",), ("finger",))),
 }
 
 
@@ -53,41 +84,68 @@ def path_of(name, value):
     return text
 
 
-def under(path, names):
-    return " ".join(f"{path}.{name}" for name in names.split())
-
-
-# The single values in the JSON of each command; # is any index of a list.
-FELT = "fingers.#.solid " + under(
-    "fingers.#.tune", "perimeter_m foci stride dwell_s field felt_share_before felt_share flutter_share_before flutter_share") + " " + under(
-    "fingers.#.spectrum", "perimeter_m period_s variance field felt_share flutter_share skin_m.# lines.#.frequency_hz lines.#.amplitude "
-    "lines.#.phase_rad lines.#.around lines.#.hold lines.#.felt")
-SCHEDULE = "schedule.order.# schedule.order.#.# schedule.dwell_s "
-PRESSURE, PRESSURES = ("peak_pa peak_m.# half_area_m2 half_radius_m elongation",
-                       "peak_pa.# peak_m.#.# half_area_m2.# half_radius_m.# elongation.# ")
-SOLUTION = "solution.iterations solution.residual spread.draws spread.seed "
-OUTCOMES = {
-    "touch": "points audible_dba.# contacts.count contacts.indices.# contacts.depths_m.# " + SCHEDULE + FELT + " " + under(
-        "fingers.#", SCHEDULE + "indices.# centroid_m.# axes.#.# eigenvalues_m2.# foci_m.#.# focus_points.# gain asked_pa pressure_pa pressures_pa.#"),
-    "drive": SOLUTION + "layout transducers sound_speed_m_s frequency_hz foci_m.#.# aimed_m.#.# gains.# pressures_pa.# over_free_field.# "
-             "weakest_to_strongest unresolved_pairs.#.# amplitudes.# phases_rad.# spread.pressures_pa.#.# spread.weakest_to_strongest.#",
-    "field": "points peak_pa peak_m.# sound_speed_m_s density_kg_m3 absorption_np_m spread.draws spread.seed spread.peak_pa.# spread.peak_m.#.#",
-    "simulate": SOLUTION + "finger.faces finger.vertices method penetration_m foci_m.#.# aimed_m.#.# force_N.# force_far_N.# torque_Nm.# "
-                + " ".join([FELT, under("langevin", PRESSURE), under("squared", PRESSURE), under("spread.langevin", PRESSURES),
-                            under("spread.squared", PRESSURES), "spread.force_N.#.# spread.torque_Nm.#.#"]),
+# The JSON of each command with all that a case may have: 0 is a single value, a list has one entry for all of them.
+NUMBERS, LISTS = [0], [[0]]
+SCHEDULE = {"order": [0, LISTS[0]], "dwell_s": 0}
+TUNE = {"perimeter_m": 0, "foci": 0, "stride": 0, "dwell_s": 0, "field": 0, "felt_share_before": 0, "felt_share": 0,
+        "flutter_share_before": 0, "flutter_share": 0}
+SPECTRUM_LINE = {"frequency_hz": 0, "amplitude": 0, "phase_rad": 0, "around": 0, "hold": 0, "felt": 0}
+SPECTRUM = {"perimeter_m": 0, "period_s": 0, "variance": 0, "field": 0, "felt_share": 0, "flutter_share": 0,
+            "skin_m": NUMBERS, "lines": [SPECTRUM_LINE]}
+FELT = {"solid": 0, "tune": TUNE, "spectrum": SPECTRUM}
+PRESSURE = {"peak_pa": 0, "peak_m": NUMBERS, "half_area_m2": 0, "half_radius_m": 0, "elongation": 0}
+PRESSURES = {"peak_pa": NUMBERS, "peak_m": LISTS, "half_area_m2": NUMBERS, "half_radius_m": NUMBERS,
+             "elongation": NUMBERS}
+SOLUTION = {"iterations": 0, "residual": 0}
+DRAWS = {"draws": 0, "seed": 0}
+DOCUMENTS = {
+    "touch": {
+        "points": 0, "audible_dba": NUMBERS,
+        "contacts": {"count": 0, "indices": NUMBERS, "depths_m": NUMBERS},
+        "schedule": SCHEDULE,
+        "fingers": [FELT | {
+            "schedule": SCHEDULE, "indices": NUMBERS, "centroid_m": NUMBERS, "axes": LISTS, "eigenvalues_m2": NUMBERS,
+            "foci_m": LISTS, "focus_points": NUMBERS, "gain": 0, "asked_pa": 0, "pressure_pa": 0,
+            "pressures_pa": NUMBERS}],
+    },
+    "drive": {
+        "solution": SOLUTION, "layout": 0, "transducers": 0, "sound_speed_m_s": 0, "frequency_hz": 0, "foci_m": LISTS,
+        "aimed_m": LISTS, "gains": NUMBERS, "pressures_pa": NUMBERS, "over_free_field": NUMBERS,
+        "weakest_to_strongest": 0, "unresolved_pairs": LISTS, "amplitudes": NUMBERS, "phases_rad": NUMBERS,
+        "spread": DRAWS | {"pressures_pa": LISTS, "weakest_to_strongest": NUMBERS},
+    },
+    "field": {
+        "points": 0, "peak_pa": 0, "peak_m": NUMBERS, "sound_speed_m_s": 0, "density_kg_m3": 0,
+        "absorption_np_m": 0,
+        "spread": DRAWS | {"peak_pa": NUMBERS, "peak_m": LISTS},
+    },
+    "simulate": {
+        "solution": SOLUTION, "finger": {"faces": 0, "vertices": 0}, "method": 0, "penetration_m": 0, "foci_m": LISTS,
+        "aimed_m": LISTS, "force_N": NUMBERS, "force_far_N": NUMBERS, "torque_Nm": NUMBERS, "fingers": [FELT],
+        "langevin": PRESSURE, "squared": PRESSURE,
+        "spread": DRAWS | {"langevin": PRESSURES, "squared": PRESSURES, "force_N": LISTS, "torque_Nm": LISTS},
+    },
 }
 # The results of a plan that names none.
 USUAL = {
-    "touch": "points contacts.count contacts.depths_m.max fingers.count " + under(
-        "fingers.0", "indices.count centroid_m.0 centroid_m.1 centroid_m.2 eigenvalues_m2.0 eigenvalues_m2.1 foci_m.count pressures_pa.min "
-        "pressures_pa.max"),
-    "drive": "transducers sound_speed_m_s frequency_hz pressures_pa.min pressures_pa.max weakest_to_strongest amplitudes.min amplitudes.mean "
-             "amplitudes.max",
-    "field": "points peak_pa peak_m.0 peak_m.1 peak_m.2 sound_speed_m_s density_kg_m3 absorption_np_m",
-    "simulate": " ".join(["finger.faces", under("langevin", PRESSURE.replace("peak_m.# ", "")), under("squared", PRESSURE.replace("peak_m.# ", "")),
-                          "force_N.0 force_N.1 force_N.2 force_far_N.1 torque_Nm.0 torque_Nm.1 torque_Nm.2"]),
+    "touch": [
+        "points", "contacts.count", "contacts.depths_m.max", "fingers.count", "fingers.0.indices.count",
+        "fingers.0.centroid_m.0", "fingers.0.centroid_m.1", "fingers.0.centroid_m.2", "fingers.0.eigenvalues_m2.0",
+        "fingers.0.eigenvalues_m2.1", "fingers.0.foci_m.count", "fingers.0.pressures_pa.min",
+        "fingers.0.pressures_pa.max"],
+    "drive": [
+        "transducers", "sound_speed_m_s", "frequency_hz", "pressures_pa.min", "pressures_pa.max",
+        "weakest_to_strongest", "amplitudes.min", "amplitudes.mean", "amplitudes.max"],
+    "field": [
+        "points", "peak_pa", "peak_m.0", "peak_m.1", "peak_m.2", "sound_speed_m_s", "density_kg_m3",
+        "absorption_np_m"],
+    "simulate": [
+        "finger.faces", "langevin.peak_pa", "langevin.half_area_m2", "langevin.half_radius_m", "langevin.elongation",
+        "squared.peak_pa", "squared.half_area_m2", "squared.half_radius_m", "squared.elongation", "force_N.0",
+        "force_N.1", "force_N.2", "force_far_N.1", "torque_Nm.0", "torque_Nm.1", "torque_Nm.2"],
 }
-OF_LISTS = {"count": len, "min": min, "max": max, "sum": math.fsum, "mean": lambda values: math.fsum(values) / len(values)}
+OF_LISTS = {"count": len, "min": min, "max": max, "sum": math.fsum,
+            "mean": lambda values: math.fsum(values) / len(values)}
 
 
 def near(word, known):
@@ -95,11 +153,26 @@ def near(word, known):
     return f"; did you mean {found[0]}?" if found else f"; there are {', '.join(known)}"
 
 
+def paths(document, path=""):
+    """The paths of all single values of a document; # stands for the index of an entry of a list."""
+    if isinstance(document, dict):
+        return [found for name, value in document.items() for found in paths(value, f"{path}.{name}" if path else name)]
+    if isinstance(document, list):
+        return [found for value in document for found in paths(value, f"{path}.#")]
+    return [path]
+
+
+@functools.lru_cache
+def paths_of(command):
+    return paths(DOCUMENTS[command])
+
+
 def path_fault(command, path):
     """What is wrong with a path of `results`; empty if cases of this command may have it."""
-    known, plain = OUTCOMES[command].split(), re.sub(r"(?<=\.)\d+(?=\.|$)", "#", str(path))
+    known, plain = paths_of(command), re.sub(r"(?<=\.)\d+(?=\.|$)", "#", str(path))
     before, _, last = plain.rpartition(".")
-    if plain in known or (last in OF_LISTS and any(entry.startswith(before + (".#" if last != "count" else ".")) for entry in known)):
+    entries = before + ("." if last == "count" else ".#")
+    if plain in known or (last in OF_LISTS and any(entry.startswith(entries) for entry in known)):
         return ""
     if inside := [entry for entry in known if entry.startswith(plain + ".")]:
         kind = "a list" if inside[0].startswith(plain + ".#") else "an object"
@@ -139,10 +212,14 @@ def quantity(text, kind):
 @functools.lru_cache
 def options_of(command):
     """Option -> (kind, words) of what a case of the command can have."""
-    found = {name: ("FLAG" if flag else kind, tuple(words)) for function in COMMANDS[command][0]
-             for name, kind, _, _, words, flag in _engine._options()[function]}
-    found |= {name: (kind, ()) if isinstance(kind, str) else ("WORD", kind) for name, kind in COMMANDS[command][1].items()}
-    return {name: found[name] for name in sorted(found.keys() - OF_THE_SWEEP - ({"transfer"} if command == "field" else set()))}
+    it = COMMANDS[command]
+    found = {}
+    for function in it.functions:
+        for name, kind, _, _, words, flag in _engine._options()[function]:
+            found[name] = ("FLAG" if flag else kind, tuple(words))
+    for name, kind in it.arguments.items():
+        found[name] = (kind, ()) if isinstance(kind, str) else ("WORD", kind)
+    return {name: found[name] for name in sorted(found.keys() - OF_THE_SWEEP - it.lacks)}
 
 
 def shown(value):
@@ -167,13 +244,15 @@ def digest_of(path):
     if path.suffix.lower() in (".gltf", ".glb"):
         text = data[20:20 + int.from_bytes(data[12:16], "little")] if data[:4] == b"glTF" else data
         try:
-            named = [urllib.parse.unquote(buffer["uri"]).replace("\\", "/") for buffer in json.loads(text)["buffers"] if "uri" in buffer]
+            uris = [buffer["uri"] for buffer in json.loads(text)["buffers"] if "uri" in buffer]
+            named = [urllib.parse.unquote(uri).replace("\\", "/") for uri in uris]
         except (ValueError, TypeError, KeyError):
             pass  # a broken model, or one without buffers
     elif path.suffix.lower() == ".toml":
         named = re.findall(r"""["']([^"'\n]+)["']""", data.decode(errors="replace"))
     files = [path.parent / name for name in named if len(name) < 1000]
-    return ",".join([f"{path.suffix}:{hashlib.sha256(data).hexdigest()}"] + [digest_of(file) for file in files if file.is_file() and file != path])
+    digests = [f"{path.suffix}:{hashlib.sha256(data).hexdigest()}"]
+    return ",".join(digests + [digest_of(file) for file in files if file.is_file() and file != path])
 
 
 def software():
@@ -227,25 +306,29 @@ class Plan:
         if table.get("keep", "results") not in ("results", "everything"):
             raise Fault('keep must be "results" or "everything"')
         self.everything = table.get("keep") == "everything"
-        self.results = table.get("results", USUAL[self.command].split())
+        self.results = table.get("results", USUAL[self.command])
         if not isinstance(self.results, list) or not self.results:
             raise Fault("results must be a list of paths such as contacts.count, with at least one")
         for path in self.results:
-            if fault := path_fault(self.command, path) or (f"{path} is there twice" if self.results.count(path) > 1 else ""):
+            if fault := path_fault(self.command, path):
                 raise Fault(f"results: {fault}")
+            if self.results.count(path) > 1:
+                raise Fault(f"results: {path} is there twice")
         self.functions, self.fixed, self.axes, places = {}, {}, [], {}
         for name, own in table.get("functions", {}).items():
-            if not isinstance(own, dict) or set(own) != {"function", "version"} or not callable(own["function"]) or own["version"] in ("", None):
-                raise Fault(f'functions: {name} must be {{"function": a function, "version": "1"}}, with another version whenever it changes')
+            whole = isinstance(own, dict) and set(own) == {"function", "version"}
+            if not whole or not callable(own["function"]) or own["version"] in ("", None):
+                raise Fault(f'functions: {name} must be {{"function": a function, "version": "1"}}, '
+                            "with another version whenever it changes")
             self.functions[name] = own["function"], str(own["version"])
         for key, value in table.get("options", {}).items():
             self.fixed |= self._setting(f"[options] {key}", key, value, places, "[options]")
         for key, value in table.get("vary", {}).items():
             self.axes.append(self._axis(f"[vary] {key}", key, value, places))
         self.varied = [option for option, place in places.items() if place != "[options]"]
-        for needed in COMMANDS[self.command][2]:
-            if places.keys().isdisjoint(needed.split()):
-                raise Fault(f"{self.command} needs {needed.replace(' ', ' or ')}: set it in [options] or [vary]")
+        for needed in COMMANDS[self.command].needs:
+            if places.keys().isdisjoint(needed):
+                raise Fault(f"{self.command} needs {' or '.join(needed)}: set it in [options] or [vary]")
         if (count := math.prod(map(len, self.axes))) > MOST_CASES:
             factors = " x ".join(f"{len(axis):,} {' and '.join(axis[0])}" for axis in self.axes)
             raise Fault(f"has {count:,} cases ({factors}); a plan has at most {MOST_CASES:,}: vary less, or divide it")
@@ -264,7 +347,7 @@ class Plan:
             return {option: value}
         is_list = isinstance(value, (list, tuple))
         if is_list and (not value or kind not in (*SEVERAL, "LIST")):
-            raise Fault(f"{where} " + (f"must be one value, not {brief(value)}" if value else "has an empty list"))
+            raise Fault(f"{where} must be one value, not {brief(value)}" if value else f"{where} has an empty list")
         several = is_list and kind in SEVERAL and not all(hasattr(part, "__float__") for part in value)
         texts = tuple(text_of(where, one) for one in (value if several else [value]))
         words = (*words, *self.functions) if option in ("solver", "method") else words
@@ -274,15 +357,18 @@ class Plan:
             number = quantity(text, kind) if kind in UNITS else 0
             if number is None or (kind == "N" and number != int(number)):
                 units = ", ".join(filter(None, UNITS[kind]))
-                raise Fault(f"{where}: {text} is not a {'whole ' * (kind == 'N')}number" + (f", alone or with {units}" if units else ""))
+                number = "whole number" if kind == "N" else "number"
+                raise Fault(f"{where}: {text} is not a {number}" + (f", alone or with {units}" if units else ""))
             self._input(where, option, kind, text)
         return {option: texts}
 
     def _input(self, where, option, kind, text):
         """Remembers the file that a value names."""
-        name = text if kind in ("FILE", "FILES") or (kind == "NAME|FILE" and (text.endswith(".toml") or "/" in text)) else ""
+        of_layout = kind == "NAME|FILE" and (text.endswith(".toml") or "/" in text)
+        name = text if kind in ("FILE", "FILES") or of_layout else ""
         if option == "spread":
-            name = next((part[9:] for part in text.split(",") if part.startswith("position=") and not re.fullmatch(NUMBER, part[9:])), "")
+            of_position = [part[9:] for part in text.split(",") if part.startswith("position=")]
+            name = next((part for part in of_position if not re.fullmatch(NUMBER, part)), "")
         if (option, text) in self.inputs:
             return
         try:
@@ -310,8 +396,10 @@ class Plan:
             choice = {}
             for name, part in one.items() if together else [(key, one)]:
                 choice |= self._setting(where, name, part, places, f"{key} of [vary]")
-            if not choice or (frozen := frozenset(choice.items())) in known:
-                raise Fault(f"{where} has " + (f"a value twice: {', '.join(map(shown, choice.values()))}" if choice else "an empty table"))
+            if not choice:
+                raise Fault(f"{where} has an empty table")
+            if (frozen := frozenset(choice.items())) in known:
+                raise Fault(f"{where} has a value twice: {', '.join(map(shown, choice.values()))}")
             known.add(frozen)
             choices.append(choice)
         return choices
@@ -322,19 +410,27 @@ class Plan:
 
     def _replaced(self, settings, which):
         """The settings that are given, with paths (0) or digests (1) of their files."""
-        return {option: value if isinstance(value, bool) else [self.inputs.get((option, text), (text, text))[which] for text in value]
-                for option, value in settings.items() if value}
+        def replaced(option, value):
+            if isinstance(value, bool):
+                return value
+            return [self.inputs.get((option, text), (text, text))[which] for text in value]
+
+        return {option: replaced(option, value) for option, value in settings.items() if value}
 
     def id(self, settings, backend):
         """The digest of what a case computes, and with what."""
-        own = [self.functions[name][1] if name in self.functions else "" for name in (shown(settings.get(key, "")) for key in ("solver", "method"))]
+        chosen = [shown(settings.get(option, "")) for option in ("solver", "method")]
+        own = [self.functions[name][1] if name in self.functions else "" for name in chosen]
         kept = "everything" if self.everything else self.results
         text = json.dumps([software(), backend, self.command, kept, self._replaced(settings, 1), own], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:20]
 
     def ready(self, settings):
         """The settings for functions of the module: single values are no lists."""
-        return {option: value[0] if isinstance(value, list) and options_of(self.command)[option][0] not in SEVERAL else value
+        def is_single(option, value):
+            return isinstance(value, list) and options_of(self.command)[option][0] not in SEVERAL
+
+        return {option: value[0] if is_single(option, value) else value
                 for option, value in self._replaced(settings, 0).items()}
 
 

@@ -1,115 +1,28 @@
-"""Sweeps: many cases of a plan, and their table. `python3 -m palpa.sweeps PLAN` is the same as a command (docs/sweeps.md)."""
+"""Sweeps: many cases of a plan, and their table; as a command, `python3 -m palpa.sweeps PLAN` (docs/sweeps.md)."""
 import argparse
 import collections
 import contextlib
 import csv
 import fcntl
-import functools
 import io
 import json
 import multiprocessing.connection
 import os
 import pathlib
 import pickle
-import platform
 import re
 import signal
 import sys
-import time
 
 from . import _engine  # type: ignore[attr-defined]  # it has no stub of its own
-from ._plan import NUMBER, Plan, brief, error, find, path_of, quantity, shown, software
+from ._case import Task, compute, text_of_fault
+from ._plan import NUMBER, Plan, brief, error, find, path_of, shown, software
 
-Task = collections.namedtuple("Task", "command functions results outside common")
 GOODNESS = {"done": 2, "refused": 1, "failed": 0}
 # Where schedulers say which process this is, and how many there are.
-RANKS = {"OMPI_COMM_WORLD_RANK": "OMPI_COMM_WORLD_SIZE", "PMI_RANK": "PMI_SIZE", "SLURM_PROCID": "SLURM_STEP_NUM_TASKS"}
+RANKS = {"OMPI_COMM_WORLD_RANK": "OMPI_COMM_WORLD_SIZE", "PMI_RANK": "PMI_SIZE",
+         "SLURM_PROCID": "SLURM_STEP_NUM_TASKS"}
 
-
-# ---- one case -------------------------------------------------------------------------------------------------------
-
-@functools.lru_cache(maxsize=4)
-def kept(make, file, options=()):
-    """A model, a skin or an array, which the next cases often use again."""
-    return make(file, **dict(options))
-
-
-@functools.lru_cache(maxsize=1)
-def kept_finger(file, options):
-    """The largest object, of which many may not fit into the memory."""
-    return _engine.FingerBody(file, **dict(options))
-
-
-def taken(options, names):
-    return tuple((name, options.pop(name)) for name in names.split() if name in options)
-
-
-def lengths(text):
-    values = [quantity(part, "LENGTH") for part in text.split(",")]
-    if None in values:
-        raise error(f"'{text}' is not lengths such as 0,0,10cm")
-    return values
-
-
-def solve(layout, focus, **options):
-    points = [lengths(text) for text in focus]
-    if any(len(point) not in (3, 4) for point in points):
-        raise error("focus must be X,Y,Z or X,Y,Z,A")
-    return layout.solve([point[:3] for point in points], [(point + [1])[3] for point in points], **options)
-
-
-def nulls_of(o):
-    points = [lengths(text) for text in o.pop("null", ())]
-    if any(len(point) not in (3, 4) for point in points):
-        raise error("null must be X,Y,Z or X,Y,Z,R")
-    return {"nulls": [point[:3] for point in points], "null_radius": [(point + [0])[3] for point in points]} if points else {}
-
-
-def places(o):
-    if "plane" in o:
-        lists = {name: lengths(text) for name, text in taken(o, "centre size pixels")}
-        lists |= {"pixels": [int(number) for number in lists["pixels"]]} if "pixels" in lists else {}
-        return _engine.plane(o.pop("plane"), **{"size": None} | lists)
-    if "line" in o:
-        return _engine.line(*map(lengths, o.pop("line")), **{name: int(text) for name, text in taken(o, "samples")})
-    return kept(_engine.read_ply, o.pop("points"))
-
-
-def result_of(command, o, outside, common):
-    """What the command's function returns. It refuses options that are left over."""
-    if command in ("touch", "simulate"):
-        scene = kept(_engine.Scene, o.pop("scene"), outside + taken(o, "gltf_scene surface parts internal_faces"))
-        if command == "touch":
-            return scene.touch(kept(_engine.read_ply, o.pop("points")) if "points" in o else None, **o, **common)
-        air = taken(dict(o), "temperature sound_speed frequency humidity air_pressure no_absorption")
-        return _engine.simulate(scene, kept_finger(o.pop("finger"), air + taken(o, "force")), **o, **common)
-    layout = kept(_engine.Layout, o.pop("layout"))
-    if command == "drive" and "touch" in o:
-        return layout.solve_touch(o.pop("touch"), slot=int(o.pop("slot", 0)), **nulls_of(o), **o, **common)
-    if command == "drive":
-        return solve(layout, o.pop("focus"), finger=kept(_engine.Mesh, o.pop("mesh")) if "mesh" in o else None, **nulls_of(o), **o, **common)
-    where = places(o)
-    if "drive" in o:
-        return layout.field(layout.read_drive(o.pop("drive")), where, **o, **common)
-    solved = taken(o, "amplitude solver constraint pressure") + taken(dict(o), "temperature sound_speed frequency directivity")
-    return layout.field(solve(layout, o.pop("focus"), backend="cpu", **nulls_of(o), **dict(solved)), where, **o, **common)
-
-
-def compute(task, settings):
-    """The line of one case, without its id. A missing device is raised, because no further case could be computed."""
-    begin = time.perf_counter()
-    options = {name: task.functions.get(value, value) if name in ("solver", "method") else value for name, value in settings.items()}
-    try:
-        result = json.loads(result_of(task.command, options, task.outside, task.common).json())
-        result = {name: value for name, value in result.items() if name not in ("timing_ms", "backend", "backend_why")}
-        line = {"state": "done"} | ({"results": {path: find(result, path) for path in task.results}} if task.results else {"json": result})
-    except _engine.NoDevice:
-        raise
-    except (_engine.BadUsage, _engine.BadInput) as fault:
-        line = {"state": "refused", "error": str(fault)}
-    except Exception as fault:  # such as too little memory, or one of an own function
-        line = {"state": "failed", "error": str(fault) if isinstance(fault, _engine.Error) else f"{type(fault).__name__}: {fault}"}
-    return line | {"took_s": round(time.perf_counter() - begin, 6), "host": platform.node()}
 
 
 # ---- many cases -----------------------------------------------------------------------------------------------------
@@ -152,10 +65,12 @@ def in_processes(task, todo, workers, gpus):
             except (EOFError, OSError):  # killed; the case gets a second try
                 process.join()
                 if case is None:
-                    raise error('a process cannot start: call palpa.sweep with workers under if __name__ == "__main__":') from None
+                    raise error("a process cannot start: call palpa.sweep with workers under "
+                                'if __name__ == "__main__":') from None
                 line, alive = None, False
                 if case in tried:
-                    line = {"state": "failed", "error": f"its process ended twice, at last with exit code {process.exitcode}"}
+                    fault = f"its process ended twice, at last with exit code {process.exitcode}"
+                    line = {"state": "failed", "error": fault}
                 else:
                     tried.add(case)
                     waiting.appendleft(case)
@@ -186,7 +101,7 @@ def with_dask(task, todo, client):
             except _engine.NoDevice:
                 raise
             except Exception as fault:  # such as KilledWorker
-                yield futures[future], {"state": "failed", "error": f"{type(fault).__name__}: {fault}"}
+                yield futures[future], {"state": "failed", "error": text_of_fault(fault)}
     finally:
         client.cancel(list(futures))
 
@@ -195,32 +110,57 @@ def used_backend(common):
     """"gpu" or "cpu"."""
     if common.get("backend") in ("gpu", "cpu") and "gpu" not in common:
         return common["backend"]
-    scene = _engine.Scene(([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    scene = _engine.Scene((corners, faces))
     return json.loads(scene.touch([[2.0, 2.0, 2.0]], **common).json())["backend"]
+
+
+def whole_number(variables, name):
+    if not re.fullmatch(r"\d{1,9}", variables.get(name, "")):
+        found = repr(variables[name]) if name in variables else "not set"
+        raise error(f"shard env: {name} is {found}, but must be a whole number")
+    return int(variables[name])
+
+
+def shard_of_job_array(variables):
+    """The shard of a task of Slurm."""
+    names = ("SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_COUNT")
+    first, last, count = (whole_number(variables, name) for name in names)
+    if last - first + 1 != count:
+        raise error(f"shard env: the job array {first} to {last} has {count} tasks; "
+                    f"give it the step 1 and no gaps, as --array=0-{count - 1}")
+    if any(name in variables and whole_number(variables, name) > 1 for name in RANKS.values()):
+        raise error("shard env: a task of a job array that starts several processes would compute each case several "
+                    "times; start one")
+    return whole_number(variables, "SLURM_ARRAY_TASK_ID") - first, count
+
+
+def shard_of_rank(variables, rank):
+    """The shard of a process that mpirun or srun started."""
+    size = RANKS[rank]
+    if size in variables or rank != "SLURM_PROCID":
+        return whole_number(variables, rank), whole_number(variables, size)
+    if variables.get("SLURM_NTASKS", "1") != "1":
+        raise error("shard env: the job has several tasks, but this process was not started by srun: "
+                    "use srun python3 -m palpa.sweeps")
+    return 0, 1
 
 
 def shard_of(shard, variables=os.environ):
     """(i, n) of a shard; "env" takes them from Slurm or mpirun."""
-    def whole(name):
-        if not re.fullmatch(r"\d{1,9}", variables.get(name, "")):
-            raise error(f"shard env: {name} is {repr(variables[name]) if name in variables else 'not set'}, but must be a whole number")
-        return int(variables[name])
-
-    rank = next((name for name in RANKS if name in variables), None)
-    shard = "0/1" if shard is None else shard if isinstance(shard, str) else "/".join(map(brief, shard))
-    if shard == "env" and "SLURM_ARRAY_TASK_ID" in variables:
-        first, last, count = map(whole, ("SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_COUNT"))
-        if last - first + 1 != count:
-            raise error(f"shard env: the job array {first} to {last} has {count} tasks; give it the step 1 and no gaps, as --array=0-{count - 1}")
-        if any(name in variables and whole(name) > 1 for name in RANKS.values()):
-            raise error("shard env: a task of a job array that starts several processes would compute each case several times; start one")
-        index = whole("SLURM_ARRAY_TASK_ID") - first
-    elif shard == "env" and rank:
-        if RANKS[rank] not in variables and rank == "SLURM_PROCID" and variables.get("SLURM_NTASKS", "1") != "1":
-            raise error("shard env: the job has several tasks, but this process was not started by srun: use srun python3 -m palpa.sweeps")
-        index, count = (whole(rank), whole(RANKS[rank])) if RANKS[rank] in variables or rank != "SLURM_PROCID" else (0, 1)
-    elif shard == "env":
-        raise error(f"shard env: none of SLURM_ARRAY_TASK_ID, {', '.join(RANKS)} is set; without a scheduler, give the shard yourself, such as 0/8")
+    if shard is None:
+        return 0, 1
+    if not isinstance(shard, str):
+        shard = "/".join(map(brief, shard))
+    if shard == "env":
+        rank = next((name for name in RANKS if name in variables), None)
+        if "SLURM_ARRAY_TASK_ID" in variables:
+            index, count = shard_of_job_array(variables)
+        elif rank:
+            index, count = shard_of_rank(variables, rank)
+        else:
+            raise error(f"shard env: none of SLURM_ARRAY_TASK_ID, {', '.join(RANKS)} is set; "
+                        "without a scheduler, give the shard yourself, such as 0/8")
     else:
         match = re.fullmatch(r"(\d{1,9})/(\d{1,9})", shard)
         index, count = map(int, match.groups()) if match else (0, 0)
@@ -255,8 +195,10 @@ def stored(out):
     """The best line of each id in the folder. A line that a killed process did not complete is left out."""
     found = {}
     with told(out, "read"), contextlib.suppress(FileNotFoundError):
-        for name in sorted(os.listdir(out)) if out is not None else []:
-            for text in pathlib.Path(out, name).read_bytes().split(b"\n")[:-1] if name.endswith(".jsonl") else []:
+        names = sorted(os.listdir(out)) if out is not None else []
+        for name in names:
+            lines = pathlib.Path(out, name).read_bytes().split(b"\n")[:-1] if name.endswith(".jsonl") else []
+            for text in lines:
                 with contextlib.suppress(ValueError, KeyError, TypeError):
                     line = json.loads(text)
                     if GOODNESS[line["state"]] > GOODNESS.get(found.get(line["id"], {}).get("state"), -1):
@@ -288,15 +230,24 @@ def appended(out, index, count):
             yield append
 
 
+def cell_of(text):
+    """A number, unless the text has a unit or is none."""
+    number = re.fullmatch(NUMBER, text)
+    if not number or number[3]:
+        return text
+    return float(text) if re.search("[.eE]", text) else int(text)
+
+
 def rows_of(plan, cases, ids, lines):
     """A dict for each case that has a line."""
     rows = []
-    for settings, line in ((settings, lines[case]) for settings, case in zip(cases, ids) if case in lines):
+    for settings, case in zip(cases, ids):
+        if case not in lines:
+            continue
+        line = lines[case]
         row = {"id": line["id"]}
         for option in plan.varied:
-            text = shown(settings.get(option, ""))
-            number = re.fullmatch(NUMBER, text)
-            row[option] = text if not number or number[3] else float(text) if re.search("[.eE]", text) else int(text)
+            row[option] = cell_of(shown(settings.get(option, "")))
         for path in plan.results:
             row[path] = find(line["json"], path) if "json" in line else line.get("results", {}).get(path)
         rows.append(row | {"state": line["state"], "error": line.get("error")})
@@ -305,17 +256,18 @@ def rows_of(plan, cases, ids, lines):
 
 # ---- what is called -------------------------------------------------------------------------------------------------
 
-def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, gpu=None, allow_outside=False, after=None):
+def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, gpu=None, allow_outside=False,
+          after=None):
     """Compute the cases of a plan, or a shard of them (docs/sweeps.md).
 
-    Cases that have a result in the folder are not computed again. A case that palpa refuses, or that fails, does not stop
-    the others. Ctrl-C loses only what is being computed.
+    Cases that have a result in the folder are not computed again. A case that palpa refuses, or that fails, does not
+    stop the others. Ctrl-C loses only what is being computed.
 
     Parameters
     ----------
     plan : path or dict
-        A TOML file of the command, its options, and which of them vary; a Python file that makes the same as a dict `plan`;
-        or such a dict.
+        A TOML file of the command, its options, and which of them vary; a Python file that makes the same as a dict
+        `plan`; or such a dict.
     out : path, optional
         Folder of the results, for gather() and for other processes. Without it, results are only returned.
     shard : (int, int) or str, optional
@@ -348,9 +300,13 @@ def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, g
     NoDevice
         There is no usable GPU, but one was asked for.
     """
-    plan, (index, count), out = Plan(plan), shard_of(shard), None if out is None else path_of("out", out)
+    plan = Plan(plan)
+    index, count = shard_of(shard)
+    out = None if out is None else path_of("out", out)
     gpus = list(gpu) if isinstance(gpu, (list, tuple)) else [] if gpu is None else [gpu]
-    common = {name: value for name, value in (("backend", backend), ("gpu", (gpus or [None])[0])) if value is not None}
+    common = {} if backend is None else {"backend": backend}
+    if gpus and gpus[0] is not None:
+        common["gpu"] = gpus[0]
     if not isinstance(workers, int) or workers < 1 or not isinstance(allow_outside, bool):
         raise error("workers must be a whole number from 1, and allow_outside True or False")
     if client is not None and (workers > 1 or not hasattr(client, "submit")):
@@ -363,15 +319,22 @@ def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, g
     cases = of_shard(plan.cases(), index, count)
     used, lines = used_backend(common), stored(out)
     ids = [plan.id(settings, used) for settings in cases]
-    open_cases = {case: settings for case, settings in zip(ids, cases) if lines.get(case, {"state": "failed"})["state"] == "failed"}
+    open_cases = {case: settings for case, settings in zip(ids, cases)
+                  if case not in lines or lines[case]["state"] == "failed"}
     todo = {case: plan.ready(settings) for case, settings in open_cases.items()}
-    task = Task(plan.command, functions, () if plan.everything else tuple(plan.results), (("allow_outside", True),) * allow_outside, common)
-    outcomes = (with_dask(task, todo, client) if client is not None else in_processes(task, todo, workers, gpus) if workers > 1 else
-                ((case, compute(task, settings)) for case, settings in todo.items()))
+    task = Task(plan.command, functions, results=() if plan.everything else tuple(plan.results),
+                outside=(("allow_outside", True),) if allow_outside else (), common=common)
+    if client is not None:
+        outcomes = with_dask(task, todo, client)
+    elif workers > 1:
+        outcomes = in_processes(task, todo, workers, gpus)
+    else:
+        outcomes = ((case, compute(task, settings)) for case, settings in todo.items())
     with appended(out if todo else None, index, count) as append, contextlib.closing(outcomes):
         for done, (case, line) in enumerate(outcomes, 1):
             settings = {option: shown(value) for option, value in open_cases[case].items()}
-            lines[case] = {"id": case, "state": line["state"], "case": settings, "backend": used, "palpa": software()} | line
+            head = {"id": case, "state": line["state"], "case": settings, "backend": used, "palpa": software()}
+            lines[case] = head | line
             append(lines[case])
             if after:
                 after(done, len(todo))
@@ -379,7 +342,9 @@ def sweep(plan, out=None, *, shard=None, workers=1, client=None, backend=None, g
 
 
 def gather(plan, out, file=None, *, partial=False, backend=None):
-    """Read all results of a plan, and write them as a CSV table. It has the same bytes, however the cases were divided.
+    """Read all results of a plan, and write them as a CSV table.
+
+    The table has the same bytes, however the cases were divided.
 
     Parameters
     ----------
@@ -407,28 +372,38 @@ def gather(plan, out, file=None, *, partial=False, backend=None):
     """
     plan, out = Plan(plan), path_of("out", out)
     cases, lines = plan.cases(), stored(out)
-    found = {used: ids for used in ("cpu", "gpu") if backend in (None, used)
-             if not lines.keys().isdisjoint(ids := [plan.id(settings, used) for settings in cases])}
+    found = {}
+    for used in ("cpu", "gpu"):
+        ids = [plan.id(settings, used) for settings in cases] if backend in (None, used) else []
+        if not lines.keys().isdisjoint(ids):
+            found[used] = ids
     if len(found) > 1:
         raise error(f"{out}: has results of cpu and of gpu: say which backend")
     if not found:
         raise error(f"{out}: has no result of this plan by palpa {software()}; compute it first", _engine.Error)
     rows = rows_of(plan, cases, *found.values(), lines)
     if len(rows) < len(cases) and not partial:
-        raise error(f"{out}: {len(cases) - len(rows)} of {len(cases)} cases have no result yet; run the sweep again, or ask for a partial table",
-                    _engine.Error)
+        raise error(f"{out}: {len(cases) - len(rows)} of {len(cases)} cases have no result yet; "
+                    "run the sweep again, or ask for a partial table", _engine.Error)
     if file is not None:
-        table, text = pathlib.Path(path_of("file", file)), io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerows([rows[0], *([str(cell).lower() if isinstance(cell, bool) else cell for cell in row.values()] for row in rows)])
-        with told(table, "written"):
-            for what, files in (("an input of the plan", plan.files), ("one of the results", pathlib.Path(out).glob("*.jsonl"))):
-                if table.exists() and any(table.samefile(other) for other in files):
-                    raise error(f"{table}: is {what}; give another name")
-            beside = table.with_name(f".{table.name}.{os.getpid()}")
-            beside.write_text(text.getvalue(), encoding="utf-8")
-            beside.replace(table)
+        write_table(pathlib.Path(path_of("file", file)), rows, plan, out)
     return rows
+
+
+def write_table(table, rows, plan, out):
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(rows[0])
+    for row in rows:
+        writer.writerow([str(cell).lower() if isinstance(cell, bool) else cell for cell in row.values()])
+    inputs = {"an input of the plan": plan.files, "one of the results": pathlib.Path(out).glob("*.jsonl")}
+    with told(table, "written"):
+        for what, files in inputs.items():
+            if table.exists() and any(table.samefile(other) for other in files):
+                raise error(f"{table}: is {what}; give another name")
+        beside = table.with_name(f".{table.name}.{os.getpid()}")
+        beside.write_text(text.getvalue(), encoding="utf-8")
+        beside.replace(table)
 
 
 class Parser(argparse.ArgumentParser):
@@ -438,25 +413,39 @@ class Parser(argparse.ArgumentParser):
         raise error(message)
 
 
-def run(arguments):
-    parser = Parser("python3 -m palpa.sweeps", description="Computes the cases of a plan (docs/sweeps.md). The same command continues.")
-    parser.add_argument("plan", metavar="PLAN", help="TOML file of the command, its options, and which of them vary; or a Python file")
-    parser.add_argument("--out", metavar="DIR", required=True, help="folder of the results; cases that have one there are not computed again")
-    parser.add_argument("--shard", metavar="I/N|env", help="computes shard I of N, counted from 0; env takes both from Slurm or mpirun")
-    parser.add_argument("--workers", metavar="N", type=int, default=1, help="number of processes [1]")
-    parser.add_argument("--backend", choices=("auto", "gpu", "cpu"), help="what computes; with --gather, whose results")
-    parser.add_argument("--gpu", metavar="NAME|INDEX", action="append", help="the GPU; several are dealt to the processes in turn")
-    parser.add_argument("--allow-outside", action="store_true", help="also takes files outside a model's folder that the model names")
-    parser.add_argument("--gather", metavar="FILE", help="instead of computing: writes all results as one CSV table")
-    parser.add_argument("--partial", action="store_true", help="with --gather: also if cases have no result yet")
-    parser.add_argument("--quiet", action="store_true", help="prints no progress and no summary")
-    o = parser.parse_args(arguments)
+def parser_of_command():
+    parser = Parser("python3 -m palpa.sweeps",
+                    description="Computes the cases of a plan (docs/sweeps.md). The same command continues.")
+    add = parser.add_argument
+    add("plan", metavar="PLAN",
+        help="TOML file of the command, its options, and which of them vary; or a Python file")
+    add("--out", metavar="DIR", required=True,
+        help="folder of the results; cases that have one there are not computed again")
+    add("--shard", metavar="I/N|env",
+        help="computes shard I of N, counted from 0; env takes both from Slurm or mpirun")
+    add("--workers", metavar="N", type=int, default=1, help="number of processes [1]")
+    add("--backend", choices=("auto", "gpu", "cpu"), help="what computes; with --gather, whose results")
+    add("--gpu", metavar="NAME|INDEX", action="append",
+        help="the GPU; several are dealt to the processes in turn")
+    add("--allow-outside", action="store_true",
+        help="also takes files outside a model's folder that the model names")
+    add("--gather", metavar="FILE", help="instead of computing: writes all results as one CSV table")
+    add("--partial", action="store_true", help="with --gather: also if cases have no result yet")
+    add("--quiet", action="store_true", help="prints no progress and no summary")
+    return parser
 
-    def progress(done, of):
-        print(f"\r{done} of {of} cases", end="\n" if done == of else "", file=sys.stderr, flush=True)
-    rows = gather(o.plan, o.out, o.gather, partial=o.partial, backend=None if o.backend == "auto" else o.backend) if o.gather else sweep(
-        o.plan, o.out, shard=o.shard, workers=o.workers, backend=o.backend, gpu=o.gpu, allow_outside=o.allow_outside,
-        after=progress if sys.stderr.isatty() and not o.quiet else None)
+
+def progress(done, of):
+    print(f"\r{done} of {of} cases", end="\n" if done == of else "", file=sys.stderr, flush=True)
+
+
+def run(arguments):
+    o = parser_of_command().parse_args(arguments)
+    if o.gather:
+        rows = gather(o.plan, o.out, o.gather, partial=o.partial, backend=None if o.backend == "auto" else o.backend)
+    else:
+        rows = sweep(o.plan, o.out, shard=o.shard, workers=o.workers, backend=o.backend, gpu=o.gpu,
+                     allow_outside=o.allow_outside, after=progress if sys.stderr.isatty() and not o.quiet else None)
     states = collections.Counter(row["state"] for row in rows)
     if not o.quiet:
         print(f"{len(rows)} cases: " + ", ".join(f"{count} {state}" for state, count in sorted(states.items())))

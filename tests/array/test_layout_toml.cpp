@@ -5,6 +5,7 @@
 #include <random>
 #include <sstream>
 
+#include "array/layouts/board_types.hpp"
 #include "array/layouts/layout_toml.hpp"
 #include "base/error.hpp"
 #include "support/files.hpp"
@@ -91,7 +92,7 @@ std::string unit(const std::string& type, const std::string& turn = "[1, 0, 0, 0
 }
 
 TEST(LayoutToml, FaultsNameLineAndKey) {
-  const std::string boards = "line 2: type is not a known board; known: autd3, openmpd, sonicsurface";
+  const std::string boards = "line 2: type is not a known board; known: " + known_board_types();
   const std::vector<std::pair<std::string, std::string>> faults{
       {"", "no transducers: write [[unit]] or [[transducer]] tables"},
       {"unit = 3", "line 1: unit must be a list of tables: [[unit]]"},

@@ -27,7 +27,7 @@ Voice& add_ring(Schedule& schedule, const Vec3& centre, double radius, double pr
     voice.foci.push_back(centre + radius * Vec3(std::cos(angle), 0, std::sin(angle)));
   }
   fill_order(foci, foci == 10 ? 3 : 1, voice.order);
-  voice.pressure_pa = pressure_pa;
+  voice.pressure_pa = pressure_pa > 0 ? std::optional(pressure_pa) : std::nullopt;
   return voice;
 }
 

@@ -11,6 +11,7 @@
 
 #include "array/layouts/builtin_layouts.hpp"
 #include "array/layouts/played.hpp"
+#include "support/boards.hpp"
 
 namespace palpa::array {
 namespace {
@@ -79,7 +80,7 @@ TEST_P(BoardsWithSteps, AStepStaysThatStepAndIsHeardFromTheLeastOneOn) {
 }
 
 TEST(BoardPlay, APartOfTheTransducersOfABoardThatIsOnlyOnOrOffSounds) {
-  const Layout layout = load_layout("sonicsurface");
+  const Layout layout = load_layout(test::on_off_board());
   for (const double ceiling : {1.0, 0.9, 0.5, 0.25, 0.1, 1.0 / 256, 0.003, 0.0}) {
     Drive drive(layout.transducers.size(), {static_cast<float>(ceiling), 0.0f});
     drive[7].amplitude *= 0.7f;  // on as the others

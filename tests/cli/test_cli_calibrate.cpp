@@ -182,7 +182,7 @@ TEST_F(Calibrate, RefusesWhatCannotBeSeen) {
 }
 
 TEST_F(Calibrate, TheTargetsHolesStandOverGapsBetweenTransducers) {
-  for (const std::string layout : {"openmpd", "openmpd-pair", "sonicsurface", "autd3", "paper"}) {
+  for (const std::string& layout : array::layout_names()) {
     const array::Layout own = array::load_layout(layout);
     const setup::TargetMount mount = setup::target_mount(own);
     for (const double x : {-mount.holes.x_m, mount.holes.x_m}) {

@@ -19,6 +19,7 @@
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/write.hpp"
 #include "geometry/mesh/icosphere.hpp"
+#include "support/boards.hpp"
 #include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
@@ -134,7 +135,7 @@ TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
 }
 
 TEST(Scatter, LoudDrivesAreBeyondLinearAcoustics) {
-  for (const std::string layout : {"paper", "sonicsurface"}) {
+  for (const std::string& layout : {std::string("paper"), on_off_board()}) {
     const std::string told = scatter(ply_of("loud", moved(icosphere(radius, 4), {0, 0, 0.055})),
                                      {"--layout", layout, "--drive", drive_to(layout, "0,0,50mm")})
                                  .told;
@@ -192,7 +193,7 @@ TEST(Scatter, WhatIsNoBodyOrNoSoundIsRefused) {
   geometry::append(hollow, inner);
   const std::string good = ply_of("sphere", icosphere(radius, 5)),
                     above = ply_of("above", moved(sphere, {0, 0, 0.105}));
-  const std::vector<std::string> other{"--layout", "sonicsurface", "--drive", openmpd().back()};
+  const std::vector<std::string> other{"--layout", on_off_board(), "--drive", openmpd().back()};
   const auto shone = [&](const char* name, const geometry::Mesh& mesh) { return with({ply_of(name, mesh)}, upwards); };
   expect_refused(
       {"scatter", "--sound-speed", "343", "--csv", "-", "--mesh"},

@@ -1,4 +1,4 @@
-// `palpa run` with emulated AUTD3 units and SonicSurface boards: the real programs, with a line between them.
+// `palpa run` with emulated AUTD3 units, and what no board can play: the real programs, with a line between them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,43 +11,20 @@
 #include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "driver/autd3/emulated/listener.hpp"
-#include "driver/sonicsurface/sonicsurface_rig.hpp"
+#include "driver/boards_run.hpp"
 #include "support/begins.hpp"
+#include "support/boards.hpp"
 #include "support/drive_recording.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/occurrences.hpp"
-#include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
-#include "support/side_by_side.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {
 namespace {
 
 using nlohmann::json;
-
-std::vector<std::string> run_to(const std::string& link, const std::string& layout) {
-  return with({"run", "--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--frames", "30",
-               "--hold", "500ms", "--layout", layout, "--link", link},
-              small_frames());
-}
-
-/// Checks that the counts of all hand-overs are in order and that no drive is missing. The numbers depend on the
-/// machine.
-void expect_counts(const std::string& results) {
-  const json hand_over = json::parse(results)["hand_over"];
-  ASSERT_TRUE(hand_over.contains("drives")) << results;
-  for (const auto& [what, counts] : hand_over.items()) {
-    SCOPED_TRACE(what);
-    EXPECT_GE(counts["submitted"], counts["completed"]) << hand_over;
-    EXPECT_GE(counts["guard"], counts["submitted"]) << hand_over;
-    EXPECT_GE(counts["loop"], counts["guard"]) << hand_over;
-  }
-  const json drives = hand_over["drives"];
-  EXPECT_EQ(drives["loop"].get<int>(),
-            drives["completed"].get<int>() + drives["starting"].get<int>() + drives["lost"].get<int>());
-}
 
 TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   const auto folder = scratch_folder("autd3-run");
@@ -60,13 +37,13 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
                    options);
   Result result;
   begins([&] {
-    result = palpa(with(run_to("autd3:" + address, "autd3"), {"--log-level", "info", "--json", "-"}));
+    result = palpa(with(run_to_board("autd3:" + address, "autd3"), {"--log-level", "info", "--json", "-"}));
     return result.err.find("cannot be reached") == std::string::npos;  // otherwise it does not listen yet
   });
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_CONTAINS(result.err, "plans transferred");
   EXPECT_EQ(occurrences(result.err, ": plays at full amplitude"), 1u) << result.err;
-  const Result chosen = palpa(with(run_to("autd3:" + address, "autd3"), {"--ceiling", "1"}));
+  const Result chosen = palpa(with(run_to_board("autd3:" + address, "autd3"), {"--ceiling", "1"}));
   EXPECT_EQ(chosen.exit_code, 0);
   EXPECT_EQ(occurrences(chosen.err, "plays at full amplitude"), 0u) << chosen.err;
   expect_counts(result.out);
@@ -87,17 +64,6 @@ TEST(Autd3Run, UnitsHearALoopToItsSilentEnd) {
   const json first = json::parse(line);
   EXPECT_EQ(first["kind"], "tcp");
   EXPECT_EQ(first["hex"], "100100415554443352454d4f5445");
-}
-
-/// palpa, repeated while the guard of the previous run still holds the line: on a busy machine, that guard ends a
-/// little later.
-Result palpa_on_free_line(const std::vector<std::string>& arguments) {
-  Result result;
-  begins([&] {
-    result = palpa(arguments);
-    return result.err.find("another program has it") == std::string::npos;
-  });
-  return result;
 }
 
 /// Two boards whose sounds meet at a place, the second one earlier by one sixteenth of a period after the other.
@@ -122,42 +88,6 @@ TEST(LinkTest, ComparesTwoBoards) {
   }
   // The place is in the middle, and the boards are mirror images.
   EXPECT_NEAR(steps[0][0].phase, steps[0][256 + 240].phase, 1e-2);
-}
-
-TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
-  PALPA_TERMINAL_OR_SKIP();
-  SonicSurfaceLine line, of_the_link_alone, of_long_dwells;
-  const auto link = [](const SonicSurfaceLine& to) { return "sonicsurface:" + to.path(); };
-  const auto as_asked = [&] {
-    const Result result =
-        palpa_on_free_line(with(run_to(link(line), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    expect_counts(result.out);
-  };
-  // Only the link names the array, and no option names a method: the small rig without its array.
-  const auto rig = scratch_folder("sonicsurface-run") / "rig.toml";
-  const std::string small_rig = read_text(source_file("tests/cli/support/small_rig.toml"));
-  write_text(rig, small_rig.substr(0, small_rig.find("[array]")));
-  const auto as_the_link_says = [&] {
-    const Result chosen = palpa_on_free_line({"run", "--scene", source_file("assets/cube.glb").string(), "--source",
-                                              "synthetic", "--rig", rig.string(), "--noise-free", "--frames", "30",
-                                              "--hold", "500ms", "--link", link(of_the_link_alone)});
-    EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
-    EXPECT_CONTAINS(chosen.err, "takes 11.3 ms for each focus");
-    EXPECT_CONTAINS(chosen.err, "palpa plays --method single-focus");
-  };
-  const auto slowly = [&] {
-    const Result slow = palpa(with(run_to(link(of_long_dwells), "sonicsurface"), {"--dwell", "12ms"}));
-    EXPECT_EQ(slow.exit_code, 0) << slow.err;
-    EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "this dwell time can be played: " << slow.err;
-  };
-  side_by_side({as_asked, as_the_link_says, slowly});
-  for (SonicSurfaceLine* const each : {&line, &of_the_link_alone, &of_long_dwells}) {
-    EXPECT_TRUE(each->falls_silent());
-    each->end();
-    EXPECT_EQ(each->machine.violations().count(), 0u) << each->machine.violations().kept()[0].what;
-    EXPECT_GT(each->machine.swaps(), 8u) << "more than those of its silences";
-  }
 }
 
 TEST(BoardsRun, WhatCannotBePlayedToOrEmulatedIsNamed) {
@@ -185,7 +115,7 @@ TEST(BoardsRun, WhatCannotBePlayedToOrEmulatedIsNamed) {
       {{"emulate"}, 2, "the board is missing"},
       {{"emulate", "matd"}, 2, "unknown board matd"},
       {{"emulate", "autd3", "--layout", "openmpd"}, 2, "not consist of AUTD3 units"},
-      {{"emulate", "sonicsurface", "--layout", "autd3"}, 2, "--layout"},
+      {{"emulate", serial_board(), "--layout", "autd3"}, 2, "--layout"},
       {{"emulate", "openmpd", "--serial", "A,B,C", "--view"}, 2, "--layout"},
       {{"emulate", "openmpd", "--board-files", "/nowhere", "--view"}, 4, "/nowhere"},
   };

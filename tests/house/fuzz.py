@@ -25,6 +25,7 @@ import time
 import fuzz_study
 from hostile import ROOT, Cases, Display, faults_of_messages, name_of_end, small_rig
 from mutate import boxes_glb, boxes_ply, mutated, octahedron_ply, small_bag
+from wires import SERIAL
 
 COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as in docs/limits.md
 NOISE = 2.0                       # on a busy machine, caches and hyperthreads make the same work cost more
@@ -165,7 +166,7 @@ class Case:
         if kind == "boards":
             folder = self.folder / "in/boards"
             folder.mkdir(exist_ok=True)
-            for name in ("board_A.pat", "sonicsurface.txt"):
+            for name in ("board_A.pat", f"{SERIAL}.txt"):
                 path = folder / name
                 text = " ".join(draw.choice(["0", "180", "-28", "1", "nan", "1e300", "EMU1", "256", "128", SECRET])
                                 for _ in range(draw.choice([0, 3, 256, 2000])))
@@ -232,13 +233,13 @@ class Case:
         draw = self.random
         if name in READS and what != "WORD":
             if name == "--layout" and draw.random() < 0.6:
-                return draw.choice(["openmpd", "autd3", "paper", "sonicsurface", "openmpd-pair", "nothing"])
+                return draw.choice(["openmpd", "autd3", "paper", SERIAL, "openmpd-pair", "nothing"])
             return self.file(READS[name])
         if isinstance(what, list):
             return draw.choice(what) if draw.random() < 0.95 else draw.choice(NUMBERS)
         if name == "--link":
             return self.one_of("null", lambda: f"record:{self.out('.bin')}", "foci:udp:127.0.0.1:9", "foci:udp:nowhere.invalid:9", "foci:udp:127.0.0.1:99999",
-                                "openmpd:NO-SUCH-BOARD", "autd3:127.0.0.1:1", "sonicsurface:/dev/null", "record:", "", "x:y")
+                                "openmpd:NO-SUCH-BOARD", "autd3:127.0.0.1:1", f"{SERIAL}:/dev/null", "record:", "", "x:y")
         if name == "--events":
             return self.one_of(lambda: self.out(".jsonl"), "-", "udp:127.0.0.1:9", "udp:", "udp:127.0.0.1:0")
         if name == "--record":

@@ -27,7 +27,7 @@ import time
 
 from hostile import ROOT, Cases, Marked, faults_of_messages, name_of_end, name_of_signal, small_rig
 from kill_study import KilledStudies
-from wires import Board
+from wires import KINDS, SERIAL, Board
 
 # Seconds, as in docs/safety.md; a case's margin is added.
 SILENT_S = 0.15      # after a death, or a stop: 100 ms without a drive, and up to 45 ms on the slowest board's line
@@ -38,7 +38,7 @@ OPENED_S = 10.0      # a guard that opens its board may take this long
 NOTHING = {signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH, signal.SIGTTIN, signal.SIGTTOU, 32, 33}
 STOPS = {signal.SIGSTOP}
 TROUBLES = ["none"] * 6 + ["stderr", "events", "json", "full record", "full events", "small files"]
-BOARDS = {"openmpd": 3, "autd3": 3, "sonicsurface": 3, "file": 1, "pipe": 1}
+BOARDS = {"openmpd": 3, "autd3": 3, SERIAL: 3, "file": 1, "pipe": 1}
 DRIVES_HEAD = struct.Struct("<8sIId")
 
 
@@ -62,7 +62,7 @@ class Case(Marked):
         self.trouble = draw.choice(TROUBLES)
         self.command = "run" if draw.random() < 0.75 or self.trouble != "none" else "link"
         self.ramp = draw.choice([0, 0, 0.1, 0.5]) if self.command == "run" else 0
-        self.victim = "guard" if self.kind in ("openmpd", "autd3", "sonicsurface") and draw.random() < 0.2 else "loop"
+        self.victim = "guard" if self.kind in KINDS and draw.random() < 0.2 else "loop"
         self.early = draw.random() < 0.25
         self.delay = draw.choice([draw.uniform(0, 0.05), draw.uniform(0, 0.6), draw.uniform(0, 2)])
         if self.victim == "guard":
@@ -107,7 +107,7 @@ class Case(Marked):
         else:
             arguments = ["run", *layout, "--backend", "cpu", "--scene", str(ROOT / "assets/cube.glb"), "--source", "synthetic",
                          "--rig", str(self.rig), "--hold", draw.choice(["100ms", "500ms", "2s"]), "--ramp", f"{self.ramp}s"]
-            if self.kind == "sonicsurface":
+            if self.kind == SERIAL:
                 arguments += ["--method", "single-focus"]
             arguments += draw.choice([[], ["--every-frame"]]) + draw.choice([[], ["--noise-free"]])
         before = []
@@ -291,8 +291,8 @@ def kill_loops(cases, rig):
         for end in os.openpty():
             os.close(end)
     except OSError as fault:
-        del BOARDS["sonicsurface"]
-        print(f"kill: no pseudo terminal ({fault.strerror}): SonicSurface boards are left out")
+        del BOARDS[SERIAL]
+        print(f"kill: no pseudo terminal ({fault.strerror}): {SERIAL} boards are left out")
 
     def run(number, folder):
         case = Case(number, cases.chosen.seed, folder, cases.bin / "palpa", rig, namespace)

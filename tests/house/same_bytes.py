@@ -18,6 +18,8 @@ import subprocess
 import sys
 import tempfile
 
+from wires import KINDS
+
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OBJECTS = ["cube", "semi-sphere", "pyramid", "prism"]
 PRESS = ["--points", "assets/finger.ply", "--penetration", "3mm"]
@@ -89,7 +91,7 @@ def cases():
                     continue
                 yield f"drive {solver} {constraint} {backend}", "drive", [
                     "drive", "--layout", "paper", *foci, *on, "--solver", solver, "--constraint", constraint, "--csv", "OUT"]
-    for layout in ["autd3", "openmpd", "openmpd-pair", "sonicsurface", "paper"]:
+    for layout in sorted([*KINDS, "openmpd-pair", "paper"]):
         for amplitude in ["distance", "uniform"]:
             yield f"drive {layout} {amplitude}", "bytes", [
                 "drive", "--layout", layout, "--focus", "5mm,-3mm,12cm", "--amplitude", amplitude, "--csv", "OUT"]

@@ -103,7 +103,8 @@ class Autd3:
             self.segments[o[3] & 1] = any(word >> 54 & 0xff for word in words)
 
 
-KINDS = {"openmpd": OpenMpd, "autd3": Autd3, "sonicsurface": SonicSurface}
+SERIAL = "sonicsurface"  # the kind of boards on a serial port
+KINDS = {"openmpd": OpenMpd, "autd3": Autd3, SERIAL: SonicSurface}
 
 
 class Trace:

@@ -17,8 +17,10 @@ foreach(file lib/udev/rules.d/70-palpa.rules libexec/palpa/palpa-guard)
   endif()
 endforeach()
 # The installed programs, looked at as the built ones are.
-run(${CMAKE_COMMAND} -E env PALPA_PROGRAMS=${prefix}/bin:${prefix}/libexec/palpa ${BUILD}/bin/tests_house --of=test_programs.cpp)
-# What the installed README points to is there. (A list is not cut at what follows a bracket, so that brackets go first.)
+run(${CMAKE_COMMAND} -E env PALPA_PROGRAMS=${prefix}/bin:${prefix}/libexec/palpa ${BUILD}/bin/tests_house
+    --of=test_programs.cpp)
+# What the installed README points to is there. (A list is not cut at what follows a bracket, so that brackets go
+# first.)
 file(READ ${prefix}/share/doc/palpa/README.md readme)
 string(REPLACE "](" "@" readme "${readme}")
 string(REGEX MATCHALL "@[^):#@]+[)#]" links "${readme}")
@@ -46,9 +48,9 @@ foreach(file IN LISTS package_files)
 endforeach()
 
 # Its programs run only for a moment; optimising them would take longer.
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${consumer} -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0
-    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
-    -DWANTED_VERSION=${VERSION} -DPAGES=${CMAKE_CURRENT_LIST_DIR}/../..)
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/consumer -B ${consumer} -G Ninja -DCMAKE_BUILD_TYPE=Debug
+    -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER}
+    -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DWANTED_VERSION=${VERSION} -DPAGES=${CMAKE_CURRENT_LIST_DIR}/../..)
 run(${CMAKE_COMMAND} --build ${consumer})
 set(assets ${prefix}/share/palpa/assets)
 foreach(program feel everything)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import palpa
+from commands import TWIN
 
 
 @pytest.fixture(scope="module")
@@ -13,9 +14,8 @@ def touch(cube, finger):
 
 
 @pytest.fixture(scope="module")
-def sonic():
-    """As many transducers as openmpd, in another order and at other places."""
-    return palpa.Layout("sonicsurface")
+def twin():
+    return palpa.Layout(TWIN)
 
 
 def refused(call, *says):
@@ -24,18 +24,18 @@ def refused(call, *says):
     assert all(one in str(caught.value) for one in says), caught.value
 
 
-def test_a_drive_of_another_layout(openmpd, sonic, cube, finger, tmp_path):
+def test_a_drive_of_another_layout(openmpd, twin, cube, finger, tmp_path):
     drive = openmpd.drive([0, 0, 0.15], backend="cpu")
     solved = openmpd.solve([0, 0, 0.15], backend="cpu")
-    assert len(sonic) == len(openmpd) and solved.layout is openmpd
+    assert len(twin) == len(openmpd) and solved.layout is openmpd
     openmpd.write_drive(tmp_path / "d.csv", drive)
     wider = palpa.Layout((1.1 * openmpd.positions, openmpd.axes), name="wider")
     session = palpa.Session(cube, layout="openmpd", backend="cpu")
     session.touch(finger - [0, 2e-3 + finger[:, 1].min(), 0], 0.0)
     for one in (drive, solved, solved.vector, drive.copy(), drive[:], openmpd.read_drive(tmp_path / "d.csv"), session.drives[0]):
-        refused(lambda one=one: sonic.field(one, [0, 0, 0.15], backend="cpu"), "drive", "openmpd", "sonicsurface")
-        refused(lambda one=one: sonic.write_drive(tmp_path / "s.csv", one), "openmpd", "sonicsurface")
-        refused(lambda one=one: palpa.scatter("assets/finger.ply", layout=sonic, drive=one), "openmpd", "sonicsurface")
+        refused(lambda one=one: twin.field(one, [0, 0, 0.15], backend="cpu"), "drive", "openmpd", TWIN)
+        refused(lambda one=one: twin.write_drive(tmp_path / "s.csv", one), "openmpd", TWIN)
+        refused(lambda one=one: palpa.scatter("assets/finger.ply", layout=twin, drive=one), "openmpd", TWIN)
         refused(lambda one=one: wider.solve([0, 0, 0.15], solver=lambda g, gains, one=one: one, backend="cpu"), "openmpd", "wider")
         assert np.allclose(openmpd.moved(openmpd.default_pose).solve([0, 0, 0], solver=lambda g, gains, one=one: one, backend="cpu").vector, one)
         assert openmpd.field(one, [0, 0, 0.15], backend="cpu").peak > 100
@@ -44,11 +44,11 @@ def test_a_drive_of_another_layout(openmpd, sonic, cube, finger, tmp_path):
     moved = openmpd.moved(openmpd.default_pose)
     for array, at in ((palpa.Layout("openmpd"), [0, 0, 0.15]), (moved, [0, 0, 0])):
         assert array.field(drive, at, backend="cpu").peak == pytest.approx(peak, rel=1e-5)
-    assert sonic.field(np.asarray(drive), [0, 0, 0.15], backend="cpu").peak > 0
+    assert twin.field(np.asarray(drive), [0, 0, 0.15], backend="cpu").peak > 0
     assert type(0.5 * drive) is type(np.conj(drive)) is type(np.stack([drive, drive])) is type(drive.dot(np.eye(256))) is np.ndarray
 
 
-def test_foci_of_the_world(openmpd, sonic, touch):
+def test_foci_of_the_world(openmpd, twin, touch):
     foci = touch.fingers[0].foci
     for call in (lambda: openmpd.solve(foci[:3], backend="cpu"), lambda: openmpd.drive(touch.fingers[0].centroid, backend="cpu"),
                  lambda: openmpd.transfer(touch.contacts.positions), lambda: openmpd.field(np.ones(256), touch.fingers[0].played_foci, backend="cpu")):
@@ -58,8 +58,8 @@ def test_foci_of_the_world(openmpd, sonic, touch):
     # What palpa touch says of the same focus.
     louder = openmpd.solve(own[0], backend="cpu")
     assert louder.pressures[0] == pytest.approx(touch.fingers[0].pressures[0], rel=1e-4)
-    refused(lambda: sonic.solve(own[0], backend="cpu"), "openmpd", "sonicsurface")
-    refused(lambda: sonic.field(np.ones(256), louder.foci, backend="cpu"), "openmpd", "sonicsurface")
+    refused(lambda: twin.solve(own[0], backend="cpu"), "openmpd", TWIN)
+    refused(lambda: twin.field(np.ones(256), louder.foci, backend="cpu"), "openmpd", TWIN)
     refused(lambda: palpa.Scene("assets/cube.glb").touch(own, backend="cpu"), "layout openmpd", "in the world")
     # The paper's layout is in the world, and so is one that was moved there.
     assert palpa.Layout("paper").solve(foci[0], backend="cpu").pressures[0] > 0
@@ -77,7 +77,7 @@ def test_a_touch_is_solved_as_its_file(openmpd, touch, tmp_path):
         openmpd.solve_touch(palpa.Scene("assets/cube.glb").touch([0, 1, 0], backend="cpu"), backend="cpu")
 
 
-def test_lists_planes_and_lines_keep_the_frame(openmpd, sonic, touch):
+def test_lists_planes_and_lines_keep_the_frame(openmpd, twin, touch):
     foci, drive = touch.fingers[0].foci, np.ones(256)
     own = openmpd.from_world(foci)
     line, plane = palpa.line(foci[0], foci[1], samples=2), palpa.plane("xz", centre=foci[0], size=(0.01, 0.01), pixels=(2, 2))
@@ -85,8 +85,8 @@ def test_lists_planes_and_lines_keep_the_frame(openmpd, sonic, touch):
         refused(lambda where=where: openmpd.field(drive, where, backend="cpu"), "where", "in the world", "layout openmpd")
     for ours in (palpa.line(own[0], own[1], samples=2), list(own), pickle.loads(pickle.dumps(palpa.line(own[0], own[1], samples=2)))):
         assert openmpd.field(drive, ours, backend="cpu").peak > 0
-        refused(lambda ours=ours: sonic.field(drive, ours, backend="cpu"), "openmpd", "sonicsurface")
-        refused(lambda ours=ours: palpa.scatter("assets/finger.ply", layout=sonic, drive=drive, where=ours), "where", "openmpd", "sonicsurface")
+        refused(lambda ours=ours: twin.field(drive, ours, backend="cpu"), "openmpd", TWIN)
+        refused(lambda ours=ours: palpa.scatter("assets/finger.ply", layout=twin, drive=drive, where=ours), "where", "openmpd", TWIN)
     refused(lambda: openmpd.solve([finger.centroid for finger in touch.fingers], backend="cpu"), "in the world")
     refused(lambda: palpa.Scene("assets/cube.glb").touch(list(own), backend="cpu"), "layout openmpd", "in the world")
     refused(lambda: openmpd.solve([own[0], foci[0]], backend="cpu"), "in the world")
@@ -99,7 +99,7 @@ def test_lists_planes_and_lines_keep_the_frame(openmpd, sonic, touch):
     assert openmpd.field(drive, np.stack(list(foci)), backend="cpu").peak > 0
 
 
-def test_what_is_written_into_an_array_says_where_it_belongs(openmpd, sonic, touch):
+def test_what_is_written_into_an_array_says_where_it_belongs(openmpd, twin, touch):
     foci = touch.fingers[0].foci
     own = openmpd.from_world(foci)
     filled, partly, view, copied = (foci.copy() for _ in range(4))
@@ -110,7 +110,7 @@ def test_what_is_written_into_an_array_says_where_it_belongs(openmpd, sonic, tou
     right = openmpd.solve(own, solver="gs-pat", backend="cpu").foci
     for points in (filled, copied):
         assert np.allclose(openmpd.solve(points, solver="gs-pat", backend="cpu").foci, right)
-    refused(lambda: sonic.solve(filled, backend="cpu"), "openmpd", "sonicsurface")
+    refused(lambda: twin.solve(filled, backend="cpu"), "openmpd", TWIN)
     assert partly.of is view.of is copied.of is None and foci.of == "world"
     out = foci.copy()
     np.add(own, 0, out=out)
@@ -124,10 +124,10 @@ def test_what_is_written_into_an_array_says_where_it_belongs(openmpd, sonic, tou
     same = foci.copy()
     same[0], same[1, 2] = foci[1], 0.2
     refused(lambda: openmpd.solve(same, backend="cpu"), "in the world")
-    one, other = openmpd.drive([0, 0, 0.15], backend="cpu"), sonic.drive([0, 0, 0.15], backend="cpu")
+    one, other = openmpd.drive([0, 0, 0.15], backend="cpu"), twin.drive([0, 0, 0.15], backend="cpu")
     drive = one.copy()
     drive[3] = 0
-    refused(lambda: sonic.field(drive, [0, 0, 0.1], backend="cpu"), "openmpd", "sonicsurface")
+    refused(lambda: twin.field(drive, [0, 0, 0.1], backend="cpu"), "openmpd", TWIN)
     drive[:] = other
-    refused(lambda: openmpd.field(drive, [0, 0, 0.1], backend="cpu"), "openmpd", "sonicsurface")
-    assert sonic.field(drive, [0, 0, 0.1], backend="cpu").peak > 0
+    refused(lambda: openmpd.field(drive, [0, 0, 0.1], backend="cpu"), "openmpd", TWIN)
+    assert twin.field(drive, [0, 0, 0.1], backend="cpu").peak > 0

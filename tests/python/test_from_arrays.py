@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT, same_but_times
+from commands import ROOT, TWIN, same_but_times
 
 
 def same_touch(a, b):
@@ -101,7 +101,7 @@ def test_pickles(cube, finger, openmpd, sphere, tmp_path):
         with pytest.raises(palpa.BadUsage, match="in the world"):
             openmpd.solve(foci, backend="cpu")
     with pytest.raises(palpa.BadUsage, match="openmpd"):
-        palpa.Layout("sonicsurface").field(pickle.loads(pickle.dumps(drive)), [0, 0, 0.1], backend="cpu")
+        palpa.Layout(TWIN).field(pickle.loads(pickle.dumps(drive)), [0, 0, 0.1], backend="cpu")
     # Damage, such as an index beyond the vertices.
     name, data, checksum, frame = mesh.__reduce__()[1]
     with pytest.raises(palpa.BadUsage, match="cut off"):

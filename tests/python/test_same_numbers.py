@@ -7,7 +7,7 @@ import shlex
 import pytest
 
 import palpa
-from commands import ROOT, documented, in_python, options_of, run, same_but_times, without_outputs
+from commands import ROOT, TWIN, documented, in_python, options_of, run, same_but_times, without_outputs
 
 LONG = {"simulate", "--transfer", "finger.ply --layout paper", "finger.ply --plane-wave", "--surface parts", "--frames", "knob.glb --parts"}
 MADE = {"drive.csv", "touch.json", "sphere.ply", "parts.glb", "played.json"}
@@ -78,7 +78,7 @@ def test_documented_export(words, made_files, tmp_path):
 def runs_here(words):
     """Without a camera, a board, or a receiver."""
     text = " ".join(words)
-    return not re.search(r"v4l2:|realsense:|bag:|joints:|openmpd|autd3:|sonicsurface|rig\.toml|one\.toml|\.\.\.", text)
+    return not re.search(r"v4l2:|realsense:|bag:|joints:|openmpd|autd3:|%s|rig\.toml|one\.toml|\.\.\." % TWIN, text)
 
 
 def live_lines():
@@ -163,7 +163,7 @@ def test_there_are_examples():
     "touch --scene assets/prism.glb --points assets/finger.ply --penetration 2mm --method multi-focus --layout openmpd",
     "touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --foci 7 --stride 2 --dwell 2ms --spacing arc",
     "touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --method single-focus --modulation-frequency 150Hz",
-    "drive --layout sonicsurface --focus 0,0,15cm --constraint uniform --amplitude uniform --temperature 25",
+    f"drive --layout {TWIN} --focus 0,0,15cm --constraint uniform --amplitude uniform --temperature 25",
     "drive --layout openmpd --focus 0,0,15cm --focus 2cm,0,15cm,0.5 --solver greedy",
     "drive --layout openmpd --focus 0,0,15cm --focus 2cm,0,15cm --pressure 500",
     "field --layout openmpd --focus 0,0,15cm --plane xy --centre 0,0,15cm --size 3cm,2cm --pixels 9,6 --no-absorption",

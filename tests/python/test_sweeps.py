@@ -15,8 +15,8 @@ import time
 import pytest
 
 import palpa
-from commands import ROOT, options_of, run
-from palpa import sweeps
+from commands import ROOT, TWIN, options_of, run
+from palpa import _case, sweeps
 from palpa._plan import Plan, path_fault
 
 PLAN = """command = "drive"
@@ -24,10 +24,10 @@ results = ["weakest_to_strongest", "pressures_pa.0", "transducers"]
 [options]
 focus = ["0,0,100mm", "10mm,0,100mm"]
 [vary]
-layout = ["openmpd", "sonicsurface"]
+layout = ["openmpd", "%s"]
 solver = ["naive", "gs-pat", "adjoint"]
 temperature = [20, 25]
-"""
+""" % TWIN
 DRIVE = {"command": "drive", "options": {"layout": "openmpd", "focus": "0,0,0.1"}}
 ASSETS = ROOT / "assets"
 
@@ -81,7 +81,7 @@ def test_a_case_is_the_command(line, sphere, tmp_path):
     words = shlex.split(line.format(tip=tmp_path / "tip.ply"))
     wanted = json.loads(run([*words, "--backend", "cpu", "--json", "-"]))
     one = Plan({"command": words[0], "keep": "everything", "options": options_of(words[1:])})
-    made = sweeps.compute(sweeps.Task(one.command, {}, (), (), {"backend": "cpu"}), one.ready(one.cases()[0]))
+    made = _case.compute(_case.Task(one.command, {}, (), (), {"backend": "cpu"}), one.ready(one.cases()[0]))
     assert made["state"] == "done", made
     assert made["json"] == {name: value for name, value in wanted.items() if name not in ("timing_ms", "backend", "backend_why")}
 
@@ -107,7 +107,7 @@ def test_the_table_is_the_same_however_the_cases_are_divided(plan, tmp_path):
     tables.append((tmp_path / "t.csv").read_bytes())
     assert len(set(tables)) == 1
     rows = list(csv.DictReader(tables[0].decode().splitlines()))
-    assert [row["temperature"] for row in rows] == ["20", "25"] * 6 and [row["layout"] for row in rows] == ["openmpd"] * 6 + ["sonicsurface"] * 6
+    assert [row["temperature"] for row in rows] == ["20", "25"] * 6 and [row["layout"] for row in rows] == ["openmpd"] * 6 + [TWIN] * 6
     drive = palpa.Layout("openmpd").solve([[0, 0, 0.1], [0.01, 0, 0.1]], solver="gs-pat", temperature=25, backend="cpu")
     assert float(rows[3]["pressures_pa.0"]) == json.loads(drive.json())["pressures_pa"][0] and rows[3]["error"] == ""
     assert rows[4]["state"] == "refused" and rows[4]["pressures_pa.0"] == "" and "finger is missing" in rows[4]["error"]

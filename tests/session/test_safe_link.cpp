@@ -14,6 +14,7 @@
 #include "fakes.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/plan.hpp"
+#include "support/boards.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {
@@ -73,7 +74,7 @@ struct BoardSpy : Link {
 };
 
 /// A plan of one drive with all transducers at this amplitude.
-Plan plan_of(const array::Layout& layout, float amplitude, double pressure_pa = 0) {
+Plan plan_of(const array::Layout& layout, float amplitude, std::optional<double> pressure_pa = {}) {
   Plan plan;
   plan.schedule = test::touching(Vec3(0, 0.15, 0));
   plan.schedule.voices[0].pressure_pa = pressure_pa;
@@ -132,7 +133,7 @@ TEST(SafeLink, ACeilingLowersThePressuresThatAPlanSays) {
     void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
   };
   Player p;
-  p.touch.schedule.voices[0].target_pa = p.touch.schedule.voices[0].pressure_pa = 500;
+  p.touch.schedule.voices[0].pressure_pa = p.touch.schedule.voices[0].target_pa = 500;
   p.touch.schedule.voices[0].reached_pa = 480;
   Told told;
   SafeLink safe(told, 3, {.ceiling = 0.3});
@@ -179,7 +180,7 @@ TEST(SafeLink, ARequestedPressureIsPlayedByACommonFactorAtAnyCeilingAndOnARamp) 
 
 TEST(SafeLink, ADriveOfABoardThatPlaysPlansIsThePlans) {
   BoardSpy spy;
-  spy.layout = array::load_layout("sonicsurface");
+  spy.layout = array::load_layout(test::on_off_board());
   SafeLink safe(spy, 256, {.ceiling = 0.004}, slot_s);
   Plan plan = plan_of(spy.layout, 1);
   plan.cycle.modulation_hz = 200;

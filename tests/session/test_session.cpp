@@ -23,6 +23,7 @@
 #include "session/previews/foci_pressures.hpp"
 #include "session/replay.hpp"
 #include "session/session.hpp"
+#include "support/boards.hpp"
 #include "support/thrown.hpp"
 #include "touched_scene.hpp"
 
@@ -226,7 +227,7 @@ TEST(Sessions, LetBoardsComputePhasesOnlyAtTheirOwnFrequency) {
 }
 
 TEST(Sessions, TellTheLinkWhetherFociMove) {
-  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout("sonicsurface")};
+  SessionSetting setting{.solids = cube(0.003), .layout = array::load_layout(test::on_off_board())};
   EXPECT_TRUE(Session(setting).link_setting().foci_move);
   setting.schedule.own_method = [](const touch::Touch&, const touch::Finger&, touch::Placement&) {};
   EXPECT_TRUE(Session(setting).link_setting().foci_move) << "its foci may be any";

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "array/layouts/layout.hpp"
+#include "support/boards.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {
@@ -13,8 +14,8 @@ using array::Constraint;
 using setup::coarse_boards_line;
 
 TEST(NullsOfBoards, AreDoubtedWhereAmplitudesAreCoarse) {
-  const array::Layout on_off = array::load_layout("sonicsurface"), mpd = array::load_layout("openmpd-pair");
-  const std::string tty = "sonicsurface:/dev/ttyUSB0";
+  const array::Layout on_off = array::load_layout(on_off_board()), mpd = array::load_layout("openmpd-pair");
+  const std::string tty = on_off_board() + ":/dev/ttyUSB0";
   EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::normalise, 1), "have no amplitudes");
   EXPECT_CONTAINS(coarse_boards_line(tty, on_off, Constraint::clamp, 0.5), "turns transducers off");
   EXPECT_EQ(coarse_boards_line(tty, on_off, Constraint::clamp, 1), "") << "full amplitudes, as uniform";

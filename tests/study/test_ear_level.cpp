@@ -11,6 +11,7 @@
 #include "array/drive.hpp"
 #include "study/plan/plan_file.hpp"
 #include "study/sitting/ear_level.hpp"
+#include "support/boards.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -119,7 +120,7 @@ TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
   EXPECT_NEAR(asking.bound_db, usual.bound_db, 1e-9);
   EXPECT_GT(asking.bound_db, asking.predicted_db());
   // Boards without amplitudes: a quarter of the transducers sounds at full amplitude.
-  StudyPlan on_off = plan_on("sonicsurface");
+  StudyPlan on_off = plan_on(test::on_off_board());
   on_off.level.ears = plan.level.ears;
   EXPECT_NEAR(level_of(on_off).predicted_db(), asking.predicted_db(), 0.5) << "the same places";
   const double full_db = level_of(on_off).predicted_db();
@@ -184,7 +185,7 @@ TEST(EarLevel, AReadingReplacesThePrediction) {
   EXPECT_ERROR(refuse_loud(plan, reads(20.1), ""), Exit::usage, "measured_db is 20 dB below the prediction");
   refuse_loud(plan, reads(20.1), "ethics 12/2026");
   // Boards without amplitudes get quieter by less.
-  StudyPlan on_off = plan_on("sonicsurface", 0.025);
+  StudyPlan on_off = plan_on(test::on_off_board(), 0.025);
   on_off.level.measured_db = 98;
   on_off.level.measured_ceiling = 0.1;
   EXPECT_NEAR(level_of(on_off).loudest_db(), 98 - 6, 1.5);
@@ -221,7 +222,7 @@ TEST(EarLevel, AboveTheLimitNeedsAnApprovalOrACeilingThatIsNamed) {
 }
 
 TEST(EarLevel, TheCeilingThatIsNamedFits) {
-  for (const char* layout : {"openmpd", "sonicsurface"}) {
+  for (const std::string& layout : {std::string("openmpd"), test::on_off_board()}) {
     const StudyPlan loud = plan_on(layout, 0.5);
     const EarLevel level = level_of(loud);
     ASSERT_GT(level.predicted_db(), loud.level.limit_db);
@@ -260,9 +261,10 @@ TEST(EarLevel, APlanWhoseBoardsWouldBeSilentIsRefused) {
   plan.shapes[2].intensity = 0.01;
   plan.shapes[2].is_spring = true;
   EXPECT_ERROR(refuse_silent(plan), Exit::usage, "times the intensity at its stiffest 0.01 of");
-  plan = plan_on("sonicsurface", 0.0039);
-  EXPECT_ERROR(refuse_silent(plan), Exit::usage, "the least amplitude that the SonicSurface boards");
-  refuse_silent(plan_on("sonicsurface", 1.0 / 256));
+  plan = plan_on(test::on_off_board(), 0.0039);
+  EXPECT_ERROR(refuse_silent(plan), Exit::usage,
+               "the least amplitude that the " + std::string(test::on_off_type().title) + " boards");
+  refuse_silent(plan_on(test::on_off_board(), 1.0 / 256));
 }
 
 }  // namespace

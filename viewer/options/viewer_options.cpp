@@ -1,6 +1,6 @@
 #include "viewer/options/viewer_options.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -15,6 +15,7 @@
 #include "base/units.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
+#include "setup/sessions/play.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
 
@@ -79,19 +80,15 @@ std::string names_of_layers(bool visible) {
   return names;
 }
 
-}  // namespace
+void add_sensation_options(CLI::App& app, ViewerOptions& o) {
+  const line::Group sensation(app, "A sensation, as palpa play");
+  sensation.text("--sensation", o.sensation, "FILE|NAME",
+                 fmt::format("plays a pattern of Adaptics, or {}, with the array and the focus [none]",
+                             fmt::join(setup::sensation_names(), ", ")));
+  setup::add_parameters(sensation, o.parameters);
+}
 
-void add_options(CLI::App& app, ViewerOptions& o) {
-  setup::add_touch_input(app, o.input);
-  setup::add_allow_outside(line::Group(app, "What touches what"), o.common);
-  setup::add_touch_options(app, o.touch);
-  setup::add_felt_options(app, o.felt);
-  const line::Group array(app, "Array");
-  setup::add_layout(array, o.layout, "array to draw", " [no array]");
-  array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
-                "first slot to show, with its focus highlighted and its drive in colours");
-  setup::add_drive_options(app, o.drive);
-
+void add_live_options(CLI::App& app, ViewerOptions& o) {
   const line::Group live(app, "Live, as palpa run");
   o.live.source.clear();  // unlike palpa run, the viewer has no source unless it is given one
   live.text("--source", o.live.source, "SOURCE",
@@ -101,7 +98,9 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   add_loop_options(live, o.live);
   add_link_options(live, o.live);
   add_following_options(app, o.live);
+}
 
+void add_picture_options(CLI::App& app, ViewerOptions& o) {
   const line::Group what(app, "Picture");
   what.text("--skin", o.skin, "FILE",
             "PLY file with the surface of the finger or hand, to be drawn faintly; --penetration moves it, too");
@@ -125,7 +124,9 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   what.choice("--fine", o.fine, fine_words,
               "when pictures have four samples for each pixel; auto means, on slow devices, only while nothing moves; "
               "without a window, it means always");
+}
 
+void add_view_options(CLI::App& app, ViewerOptions& o) {
   const line::Group where(app, "View");
   where.text("--view", o.view, "FROM",
              "viewpoint: front, right, top, iso, camera (through the first camera of --depth), or camera:NAME");
@@ -136,7 +137,9 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   where.flag("--ortho", o.orthographic, "draws in parallel projection");
   where.flag("--inset", o.inset,
              "draws a close-up of the touch in the corner; a live run has one if the touch is small in the picture");
+}
 
+void add_participant_options(CLI::App& app, ViewerOptions& o) {
   const line::Group participant(app, "What the participant sees");
   participant.flag(
       "--participant", o.participant,
@@ -146,14 +149,18 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   participant.text("--screen", o.screen, "FILE", "rig TOML with a screen [--rig's, or the paper's]");
   participant.choice("--stereo", o.stereo, stereo_words, "how the pictures of two eyes become one");
   setup::add_eyes_options(participant, o);
+}
 
+void add_hands_options(CLI::App& app, ViewerOptions& o) {
   const line::Group hands(app, "Mouse and keys, panels");
   hands.text("--interact", o.interact, "FILE",
              "does what a script says, which has a line for each move (docs/viewer.md) [no script]");
   hands.flag("--no-panels", o.no_panels,
              "shows a window without panels; in a live run, the strip with the array's state stays");
   hands.flag("--panels", o.panels, "draws panels without a window, too");
+}
 
+void add_options_without_window(CLI::App& app, ViewerOptions& o) {
   const line::Group how(app, "Without a window");
   how.flag("--headless", o.headless, "opens no window");
   how.integer(
@@ -169,7 +176,12 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   how.text("--reference", o.reference, "FILE", "compares the last frame with this PNG [no comparison]");
   how.number("--threshold", o.threshold, {0, 1}, "NUMBER",
              "mean difference from --reference above which the exit code is 1 [0.02]");
+}
 
+/// Which of them go together.
+void relate_options(CLI::App& app) {
+  line::need(app, {"--param"}, "--sensation");
+  line::exclude(app, "--sensation", {"--scene", "--points", "--depth", "--rig", "--source", "--skin"});
   line::need(app, {"--target"}, "--eye");
   line::need(app, {"--panels", "--screenshot", "--reference"}, "--headless");
   line::need(app, {"--threshold"}, "--reference");
@@ -178,6 +190,28 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   line::exclude(app, "--participant", {"--target", "--inset"});
   line::exclude(app, "--source", {"--points", "--depth", "--spectrum"});
   line::exclude(app, "--eye", {"--view"});
+}
+
+}  // namespace
+
+void add_options(CLI::App& app, ViewerOptions& o) {
+  setup::add_touch_input(app, o.input);
+  setup::add_allow_outside(line::Group(app, "What touches what"), o.common);
+  setup::add_touch_options(app, o.touch);
+  setup::add_felt_options(app, o.felt);
+  const line::Group array(app, "Array");
+  setup::add_layout(array, o.layout, "array to draw", " [no array]");
+  array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
+                "first slot to show, with its focus highlighted and its drive in colours");
+  setup::add_drive_options(app, o.drive);
+  add_sensation_options(app, o);
+  add_live_options(app, o);
+  add_picture_options(app, o);
+  add_view_options(app, o);
+  add_participant_options(app, o);
+  add_hands_options(app, o);
+  add_options_without_window(app, o);
+  relate_options(app);
 }
 
 namespace {
@@ -250,7 +284,7 @@ void refuse_idle_in_picture(const ViewerOptions& o) {
     refuse_headings(o, {"Solids"}, "goes with --scene");
     refuse_given(o, {"--gltf-scene"}, "goes with --scene");
   }
-  if (o.layout.empty() && o.input.rig.empty())
+  if (o.layout.empty() && o.input.rig.empty() && o.sensation.empty())
     refuse_headings(o, {"Drives", "Air and tone"}, "goes with --layout or --rig: it sets how an array is driven");
 }
 
@@ -266,14 +300,11 @@ void refuse_idle(const ViewerOptions& o) {
   if (!o.is_live() && !o.input.points.empty()) setup::refuse_finger_width(o.touch, "--depth or --source");
 }
 
-}  // namespace
-
-void check(const ViewerOptions& o) {
-  static const Reader reader;
-  if (const std::string fault = line::misfit(reader.app, o.given); !fault.empty()) throw bad_usage(fault);
+/// What is shown: a live run, a touch, or objects and an array alone.
+void check_shown(const ViewerOptions& o) {
   const bool panels = o.headless ? o.panels && !o.interact.empty() : !o.no_panels;
   const bool may_be_empty = panels && !o.is_live() && !has_skin(o);  // then a file is opened in the window
-  if (o.input.scene.empty() && o.layout.empty() && !may_be_empty) {
+  if (o.input.scene.empty() && o.layout.empty() && o.sensation.empty() && !may_be_empty) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
   if (o.is_live()) {
@@ -293,43 +324,66 @@ void check(const ViewerOptions& o) {
     throw bad_usage("--penetration moves --points and --skin: give one of them");
   }
   if (o.input.penetration_m && o.input.scene.empty()) throw bad_usage("--penetration goes with --scene");
+}
+
+/// The layers that show an array's sound need a touch, and what drives the array.
+void check_sound_layers(const ViewerOptions& o) {
+  const Layers layers = first_state(o).layers;
+  if (o.is_live() || !(layers.shows(Layer::slice) || layers.shows(Layer::heat))) return;
+  const auto asks = [&](const char* option) { return o.given.contains(option); };
+  const char* what = layers.shows(Layer::heat) ? (asks("--heat") ? "--heat" : "--show heat")
+                     : asks("--slice")         ? "--slice"
+                     : asks("--slice-at")      ? "--slice-at"
+                                               : "--show slice";
+  if (!o.sensation.empty() && !layers.shows(Layer::heat)) return;
+  if (!has_skin(o) || o.input.scene.empty())
+    throw bad_usage(fmt::format("{} goes with --points or --depth: it needs a touch", what));
+  if (o.layout.empty() && o.input.rig.empty())
+    throw bad_usage(fmt::format("{} goes with --layout or --rig: it shows an array's sound", what));
+  if (layers.shows(Layer::heat) && o.skin.empty())
+    throw bad_usage("--show heat goes with --skin: it needs the finger's closed mesh");
+}
+
+void check_view(const ViewerOptions& o) {
   if (!value_of(view_words, standard_view(o)))
     throw bad_usage(fmt::format("--view: '{}' is not a view; give {}, or camera:NAME", o.view, one_of(view_words)));
   if (standard_view(o) == "camera" && o.input.depths.empty()) throw bad_usage("--view camera goes with --depth");
-  const Layers layers = first_state(o).layers;
-  if (layers.shows(Layer::slice) || layers.shows(Layer::heat)) {
-    const auto asks = [&](const char* option) { return o.given.contains(option); };
-    const char* what = layers.shows(Layer::heat) ? (asks("--heat") ? "--heat" : "--show heat")
-                       : asks("--slice")         ? "--slice"
-                       : asks("--slice-at")      ? "--slice-at"
-                                                 : "--show slice";
-    if (!o.is_live() && (!has_skin(o) || o.input.scene.empty()))
-      throw bad_usage(fmt::format("{} goes with --points or --depth: it needs a touch", what));
-    if (!o.is_live() && o.layout.empty() && o.input.rig.empty())
-      throw bad_usage(fmt::format("{} goes with --layout or --rig: it shows an array's sound", what));
-    if (!o.is_live() && layers.shows(Layer::heat) && o.skin.empty())
-      throw bad_usage("--show heat goes with --skin: it needs the finger's closed mesh");
-  }
+}
+
+void check_participant(const ViewerOptions& o) {
+  if (!o.participant) return;
+  if (o.headless && (o.is_live() || !o.interact.empty()))
+    throw bad_usage("--participant with --headless excludes --source and --interact");
+  if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
+}
+
+void check_eyes(const ViewerOptions& o) {
+  if (o.barrier_gap_m && *o.barrier_gap_m == 0)
+    throw bad_usage(
+        "--barrier-gap: a barrier on the screen hides nothing; give a gap above 0, or below 0 for a barrier "
+        "behind the screen");
+  if (o.eye.empty()) return;
+  const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
+  if (point("--eye", o.eye) == target) throw bad_usage("--eye and --target are the same point");
+}
+
+}  // namespace
+
+void check(const ViewerOptions& o) {
+  static const Reader reader;
+  if (const std::string fault = line::misfit(reader.app, o.given); !fault.empty()) throw bad_usage(fault);
+  check_shown(o);
+  check_view(o);
+  check_sound_layers(o);
   if (!o.slice.at.empty()) point("--slice-at", o.slice.at);
-  if (o.participant) {
-    if (o.headless && (o.is_live() || !o.interact.empty()))
-      throw bad_usage("--participant with --headless excludes --source and --interact");
-    if (o.input.scene.empty()) throw bad_usage("--participant goes with --scene: give the objects");
-  }
+  check_participant(o);
   if (!o.is_live()) {
     for (const line::OptionInfo& info : live_table()) {
       if (!is_of_touch(info) && o.given.contains(info.name))
         throw bad_usage(info.name + " goes with --source: it needs a live run");
     }
   }
-  if (o.barrier_gap_m && *o.barrier_gap_m == 0)
-    throw bad_usage(
-        "--barrier-gap: a barrier on the screen hides nothing; give a gap above 0, or below 0 for a barrier "
-        "behind the screen");
-  if (!o.eye.empty()) {
-    const Vec3 target = o.target.empty() ? Vec3(0) : point("--target", o.target);
-    if (point("--eye", o.eye) == target) throw bad_usage("--eye and --target are the same point");
-  }
+  check_eyes(o);
   picture_size(o);
   setup::drive_options(o.drive);
   refuse_idle(o);

@@ -330,6 +330,27 @@ void Renderer::draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn)
   shot.on.draw(shot.with.mesh, {drawn.face_vertices_.ref()}, push, {}, drawn.sections_.count, drawn.sections_.first);
 }
 
+/// A solid, or a part of one, where it is drawn.
+struct Renderer::Part {
+  const SurfaceItems* items;
+  EdgeLines lines;
+  Vec3 away;
+  double distance;
+};
+
+std::vector<Renderer::Part> Renderer::parts_from_far(const Shot& shot, const DrawnPicture& drawn,
+                                                     std::span<const EdgeLines> lines) {
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < drawn.solids_.size(); ++i) {
+    const SurfaceItems& solid = drawn.solids_[i];
+    const Vec3 away = drawn.state_.explode * solid.away;
+    parts.push_back({&solid, lines.empty() ? EdgeLines{} : lines[i], away,
+                     solid.bounds.empty() ? 0 : glm::distance(solid.bounds.centre() + away, shot.eye)});
+  }
+  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance > b.distance; });
+  return parts;
+}
+
 // Solids are convex, so back faces and then front faces blend in the right order. Several solids are drawn from far to
 // near. The skin's surface may pass through a solid: its part behind the solid's front is drawn before that front, the
 // rest after.
@@ -359,20 +380,7 @@ void Renderer::draw_surfaces(const Shot& all, const DrawnPicture& drawn, const C
     }
   };
 
-  struct Part {
-    const SurfaceItems* items;
-    EdgeLines lines;
-    Vec3 away;
-    double distance;
-  };
-  std::vector<Part> parts;
-  for (std::size_t i = 0; i < drawn.solids_.size(); ++i) {
-    const SurfaceItems& solid = drawn.solids_[i];
-    const Vec3 away = drawn.state_.explode * solid.away;
-    parts.push_back({&solid, lines.empty() ? EdgeLines{} : lines[i], away,
-                     solid.bounds.empty() ? 0 : glm::distance(solid.bounds.centre() + away, all.eye)});
-  }
-  std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.distance > b.distance; });
+  const std::vector<Part> parts = parts_from_far(all, drawn, lines);
   const float opacity = all.layers.opacity(Layer::solids);
   const auto paint_faces = [&](const Part& part, VkCullModeFlags hidden) {
     if (opacity > 0) {

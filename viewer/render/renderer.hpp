@@ -82,6 +82,9 @@ class Renderer {
   void draw_points(const Shot& shot, const DrawnPicture& drawn) const;
   void draw_images(const Shot& shot, const DrawnPicture& drawn, const View& view) const;
   void draw_faces_and_lines(const Shot& shot, const DrawnPicture& drawn) const;
+  struct Part;
+  static std::vector<Part> parts_from_far(const Shot& shot, const DrawnPicture& drawn,
+                                          std::span<const EdgeLines> lines);
   void draw_surfaces(const Shot& shot, const DrawnPicture& drawn, const Canvas& canvas,
                      std::span<const EdgeLines> lines) const;
   void draw_heat(const Shot& shot, const DrawnPicture& drawn) const;

@@ -16,23 +16,37 @@
 #include "viewer/sound/heat.hpp"
 
 namespace palpa::viewer {
+namespace {
+
+void warn_if_stretched(const Participant& participant, const Size& size) {
+  const std::string line = stretched(participant.screen, size.width, size.height);
+  if (!line.empty()) log::warning(line);
+}
+
+/// Colours the skin by the pressure on it, or by the rates of afferents.
+void colour_skin(ShownTouch& show, const std::string& skin, SkinColour colour) {
+  const Sounding now = show.sounding();
+  const geometry::Mesh mesh = setup::load_body(skin, now.air, false);
+  session::SkinQuestion question = skin_question(skin, mesh, now);
+  question.afferents = colour != SkinColour::pressure;
+  acoustics::BodyCache bodies;
+  show_answer(show.picture(), question, experiment::SkinRates().answer(question, bodies), colour);
+}
+
+}  // namespace
 
 void run_headless(const ViewerOptions& options) {
   const Outputs outputs(outputs_of(options, Script(options), {}));
   refuse_outputs_as_inputs(options);
   std::optional<Participant> participant;
   if (options.participant) participant = participant_of(options);
-  if (participant) {
-    const Size size = picture_size(options);
-    if (const std::string line = stretched(participant->screen, size.width, size.height); !line.empty())
-      log::warning(line);
-  }
+  const Size size = picture_size(options);
+  if (participant) warn_if_stretched(*participant, size);
   ShownTouch show(options);
   setup::ComputeOptions drawing = options.common;
   drawing.backend = setup::Backend::gpu;  // it draws there, whatever computes the touch
   const setup::UsedDevice used(drawing);
   const gpu::Device& device = *used.get();
-  const Size size = picture_size(options);
   const double ratio = options.pixel_ratio.value_or(1);
   const EyeSize eye = eye_size(options.stereo, size.width, size.height);
   Offscreen offscreen(device, eye.width, eye.height, ratio, fineness_without_window(options));
@@ -40,14 +54,7 @@ void run_headless(const ViewerOptions& options) {
   ViewState state = first_state(options);
   if (participant) state = for_participant(state);
   place_slice(state, options.slice, show.picture());
-  if (state.layers.shows(Layer::heat)) {
-    const Sounding now = show.sounding();
-    const geometry::Mesh mesh = setup::load_body(options.skin, now.air, false);
-    session::SkinQuestion question = skin_question(options.skin, mesh, now);
-    question.afferents = state.skin_colour != SkinColour::pressure;
-    acoustics::BodyCache bodies;
-    show_answer(show.picture(), question, experiment::SkinRates().answer(question, bodies), state.skin_colour);
-  }
+  if (state.layers.shows(Layer::heat)) colour_skin(show, options.skin, state.skin_colour);
   std::optional<FieldSlice> field;
   if (state.layers.shows(Layer::slice)) {
     field.emplace(device, show.layout(), setup::air(options.drive.medium, {}), options.drive.directivity);

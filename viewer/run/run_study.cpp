@@ -125,6 +125,63 @@ std::string stretched_line(const ParticipantScene& scene, const VkExtent2D& size
   return stretched(scene.setting().screen, size.width, size.height);
 }
 
+/// The two windows of a sitting.
+class SittingWindows {
+ public:
+  SittingWindows(const gpu::Device& device, Window& panel, Window& window, const ParticipantScene& scene)
+      : device_(&device), scene_(&scene), experimenter_(device, panel), participant_(device, window) {}
+
+  void wait(double timeout_s) { experimenter_.wait(timeout_s); }
+  bool closing() const { return experimenter_.closing() || participant_.closing(); }
+
+  /// Returns whether the experimenter leaves, which is possible at the end.
+  bool take_experimenters(Conductor& conductor) {
+    bool leaves = false;
+    for (const WindowEvent& event : experimenter_.take()) {
+      const VkExtent2D size = experimenter_.size();
+      const auto places = button_places(conductor.experimenter_view(), size.width, size.height);
+      const bool leaving_key =
+          event.kind == WindowEvent::Kind::key && event.down && (event.key == key_of('q') || event.key == Key::escape);
+      leaves = leaves || (conductor.over() && leaving_key);
+      conductor.experimenter(event, button_at(places, event.x, event.y));
+    }
+    return leaves;
+  }
+
+  void take_participants(Conductor& conductor) {
+    for (const WindowEvent& event : participant_.take()) {
+      const VkExtent2D size = participant_.size();
+      conductor.participant(event,
+                            scene_->button_at(conductor.participant_view(), size.width, size.height, event.x, event.y));
+    }
+  }
+
+  void show(const Conductor& conductor) {
+    const ParticipantView view = conductor.participant_view();
+    show_changed(participant_, view, shown_participant_, participant_at_, 0ms,
+                 [&](const VkExtent2D& size) { return scene_->draw(*device_, eye_, view, size.width, size.height); });
+    ExperimenterView state = conductor.experimenter_view();
+    if (const std::string line = stretched_line(*scene_, participant_.size()); !line.empty()) {
+      state.lines.insert(state.lines.begin(), {"picture", line, true});
+      if (std::exchange(told_stretched_, line) != line) log::warning(line);
+    }
+    const bool at_once = !shown_experimenter_ || shown_experimenter_->state != state.state ||
+                         shown_experimenter_->sounds != state.sounds;
+    show_changed(experimenter_, state, shown_experimenter_, experimenter_at_, at_once ? 0ms : 250ms,
+                 [&](const VkExtent2D& size) { return draw(state, size.width, size.height); });
+  }
+
+ private:
+  const gpu::Device* device_;
+  const ParticipantScene* scene_;
+  std::optional<Offscreen> eye_;
+  Shown experimenter_, participant_;
+  std::optional<ParticipantView> shown_participant_;
+  std::optional<ExperimenterView> shown_experimenter_;
+  Clock::time_point participant_at_{}, experimenter_at_{};
+  std::string told_stretched_;  ///< the warning about the participant's window that was given
+};
+
 /// As high as usual, with the shape of the screen, so that objects appear where they are felt.
 setup::WindowSize default_size(const sensing::Screen& screen) {
   constexpr double height = 720, most_width = 1600;
@@ -190,6 +247,59 @@ bool complete(const study::StudyPlan& plan, const setup::StudyRunOptions& option
   ::_exit(static_cast<int>(setup::ending()));
 }
 
+void press_next(ScriptedKeys& script, const study::StudyPlan& plan, Conductor& conductor) {
+  const std::optional<ScriptedPress> press = script.next(plan, conductor);
+  if (!press) return;
+  if (press->experimenter) {
+    conductor.experimenter(press->event, std::nullopt);
+  } else {
+    conductor.participant(press->event, std::nullopt);
+  }
+}
+
+/// Runs the sitting until it is over or somebody leaves. Returns why it paused last.
+std::string conduct(SittingWindows& windows, Conductor& conductor, const study::StudyPlan& plan,
+                    std::optional<ScriptedKeys>& script) {
+  std::string reason;
+  for (bool leaves = false; !leaves;) {
+    windows.wait(script ? std::min(conductor.wait_s(), 0.02) : conductor.wait_s());
+    leaves = windows.take_experimenters(conductor);
+    windows.take_participants(conductor);
+    if (windows.closing()) {
+      conductor.stop();
+      break;
+    }
+    if (script) press_next(*script, plan, conductor);
+    conductor.advance();
+    if (!conductor.presentation().fault().empty()) reason = conductor.presentation().fault();
+    if (conductor.sitting().screen() == study::Screen::paused) reason = conductor.sitting().reason();
+    // Who is thanked can read it; who stopped the program need not wait.
+    if (conductor.over() && (script || conductor.sitting().screen() == study::Screen::stopped)) break;
+    windows.show(conductor);
+  }
+  return reason;
+}
+
+/// Silences the array and reports. Throws what ended the sitting, or ends the program.
+void end_sitting(Conductor& conductor, const setup::StudyRunOptions& options, const Outputs& outputs,
+                 std::optional<log::Relay>& relay) {
+  if (!conductor.presentation().end(3s))
+    leave_at_once("ended without finishing: a link, device or file did not answer; the array is silent", relay);
+  const study::Agenda& agenda = conductor.sitting().agenda();
+  report(options, outputs, agenda, conductor.record());
+  if (!conductor.presentation().end_fault().empty()) {
+    const std::string what = "ended, but " + conductor.presentation().end_fault();
+    if (setup::Interrupt::signalled()) leave_at_once(what, relay);
+    throw failure(what);
+  }
+  // After a signal, there is one second for everything, but releasing a window's device may take longer.
+  if (!agenda.finished() && setup::Interrupt::signalled()) {
+    leave_at_once(fmt::format("stopped by a signal after {} of {} steps; the same command continues", agenda.complete(),
+                              agenda.steps().size()),
+                  relay);
+  }
+}
+
 }  // namespace
 
 void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& kinds) {
@@ -217,81 +327,15 @@ void run_study(const setup::StudyRunOptions& options, const LiveSession::Kinds& 
   device_options.window_extensions = panel.extensions();
   const gpu::Device device(device_options);
   threads.have_begun();
-  std::optional<Offscreen> eye;
-  Shown experimenter(device, panel), participant(device, window);
+  SittingWindows windows(device, panel, window, scene);
   Conductor conductor(plan, options, shapes, level, kinds, setup::Interrupt::flag(), Window::wake);
   log::release_warnings();
   const SilentEnd silent_end(setup::Interrupt::flag());
   std::optional<ScriptedKeys> script;
   if (options.rehearse) script.emplace(*options.rehearse, *options.participant, options.common.seed);
-
-  std::optional<ParticipantView> shown_participant;
-  std::optional<ExperimenterView> shown_experimenter;
-  Clock::time_point participant_at{}, experimenter_at{};
-  std::string reason;          // why the sitting paused last
-  std::string told_stretched;  // the warning about the participant's window that was given
-  bool leaves = false;
-  while (!leaves) {
-    experimenter.wait(script ? std::min(conductor.wait_s(), 0.02) : conductor.wait_s());
-    for (const WindowEvent& event : experimenter.take()) {
-      const VkExtent2D size = experimenter.size();
-      const auto places = button_places(conductor.experimenter_view(), size.width, size.height);
-      // At the end, the experimenter leaves.
-      const bool leaving_key =
-          event.kind == WindowEvent::Kind::key && event.down && (event.key == key_of('q') || event.key == Key::escape);
-      leaves = leaves || (conductor.over() && leaving_key);
-      conductor.experimenter(event, button_at(places, event.x, event.y));
-    }
-    for (const WindowEvent& event : participant.take()) {
-      const VkExtent2D size = participant.size();
-      conductor.participant(event,
-                            scene.button_at(conductor.participant_view(), size.width, size.height, event.x, event.y));
-    }
-    if (experimenter.closing() || participant.closing()) {
-      conductor.stop();
-      break;
-    }
-    if (script) {
-      if (const std::optional<ScriptedPress> press = script->next(plan, conductor)) {
-        if (press->experimenter) conductor.experimenter(press->event, std::nullopt);
-        if (!press->experimenter) conductor.participant(press->event, std::nullopt);
-      }
-    }
-    conductor.advance();
-    if (!conductor.presentation().fault().empty()) reason = conductor.presentation().fault();
-    if (conductor.sitting().screen() == study::Screen::paused) reason = conductor.sitting().reason();
-    // Who is thanked can read it; who stopped the program need not wait.
-    if (conductor.over() && (script || conductor.sitting().screen() == study::Screen::stopped)) break;
-    const ParticipantView view = conductor.participant_view();
-    show_changed(participant, view, shown_participant, participant_at, 0ms,
-                 [&](const VkExtent2D& size) { return scene.draw(device, eye, view, size.width, size.height); });
-    ExperimenterView state = conductor.experimenter_view();
-    if (const std::string line = stretched_line(scene, participant.size()); !line.empty()) {
-      state.lines.insert(state.lines.begin(), {"picture", line, true});
-      if (std::exchange(told_stretched, line) != line) log::warning(line);
-    }
-    const bool at_once =
-        !shown_experimenter || shown_experimenter->state != state.state || shown_experimenter->sounds != state.sounds;
-    show_changed(experimenter, state, shown_experimenter, experimenter_at, at_once ? 0ms : 250ms,
-                 [&](const VkExtent2D& size) { return draw(state, size.width, size.height); });
-  }
-  if (!conductor.presentation().end(3s))
-    leave_at_once("ended without finishing: a link, device or file did not answer; the array is silent", relay);
-  report(options, outputs, conductor.sitting().agenda(), conductor.record());
-  if (!conductor.presentation().end_fault().empty()) {
-    const std::string what = "ended, but " + conductor.presentation().end_fault();
-    if (setup::Interrupt::signalled()) leave_at_once(what, relay);
-    throw failure(what);
-  }
-  const study::Agenda& agenda = conductor.sitting().agenda();
-  if (agenda.finished()) return;
-  // After a signal, there is one second for everything, but releasing a window's device may take longer.
-  if (setup::Interrupt::signalled()) {
-    leave_at_once(fmt::format("stopped by a signal after {} of {} steps; the same command continues", agenda.complete(),
-                              agenda.steps().size()),
-                  relay);
-  }
-  if (script && !reason.empty()) throw failure(reason);
+  const std::string reason = conduct(windows, conductor, plan, script);
+  end_sitting(conductor, options, outputs, relay);
+  if (script && !reason.empty() && !conductor.sitting().agenda().finished()) throw failure(reason);
 }
 
 }  // namespace palpa::viewer

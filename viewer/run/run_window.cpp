@@ -31,9 +31,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores.
+/// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores;
+/// so has what plays as fast as it sounds.
 double shortest_s(const App& app) {
-  return app.data().content.live ? 1.0 / 30 : 0.0;
+  constexpr double fast = 600;
+  return app.data().content.live || app.data().state.time.slots_per_s > fast ? 1.0 / 30 : 0.0;
 }
 
 /// Opens, closes and updates the participant's window as the panels' data say.
@@ -81,6 +83,132 @@ Size pixels_of(const Window& window) {
   return {extent.width, extent.height};
 }
 
+/// Draws what the application shows into its window.
+class WindowPictures {
+ public:
+  WindowPictures(const ViewerOptions& options, Script& script, Window& window, App& app, const gpu::Device& device,
+                 Clock::time_point begin)
+      : options_(&options),
+        script_(&script),
+        window_(&window),
+        app_(&app),
+        device_(&device),
+        begin_(begin),
+        surface_(device, window),
+        drawn_(device),
+        presenter_(device, surface_.get()),
+        filming_(device, options.video) {}
+
+  bool goes_on() const {
+    const bool all_drawn = options_->frames && pictures_.ms.count() >= *options_->frames;
+    return !window_->closing() && !app_->quitting() && !all_drawn;
+  }
+
+  /// Waits for what happens next, and draws only if something has changed, so an idle window costs nothing.
+  void turn() {
+    const Size pixels = pixels_of(*window_);
+    const bool visible = pixels.width > 0 && pixels.height > 0;
+    take_events(wait_s(visible), pixels);
+    const bool asked = is_asked(), changed = app_->dirty() || asked;
+    if (visible && is_due(asked, changed)) draw(pixels, changed);
+  }
+
+  const PicturesDrawn& pictures() const { return pictures_; }
+
+ private:
+  double now() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  double next_picture_s() const { return last_drawn_s_ + shortest_s(*app_); }
+  /// Whether pictures are asked for even if nothing has changed.
+  bool is_asked() const { return options_->frames || script_->busy(); }
+
+  /// How long to wait for events; negative: until one comes.
+  double wait_s(bool visible) const {
+    if (is_asked()) return 0;
+    if (visible && app_->dirty()) return std::max(next_picture_s() - now(), 0.0);
+    double wait = -1;
+    if (const std::optional<double> next = app_->next_s()) wait = std::max(*next - now(), 1e-3);
+    if (const std::optional<double> again = rest_.again_s(); visible && again) {
+      const double until = std::max(*again - now(), 1e-3);
+      wait = wait < 0 ? until : std::min(wait, until);
+    }
+    return wait;
+  }
+
+  void take_events(double wait_s, const Size& pixels) {
+    events_.clear();
+    window_->wait(wait_s, events_);
+    for (const WindowEvent& event : events_)
+      app_->handle(event, pixels);
+    script_->play(now(), [&](const Interaction& step) {
+      if (step.kind == Interaction::Kind::resize) window_->resize(step.width, step.height);
+      if (step.kind == Interaction::Kind::event) app_->handle(step.event, pixels);
+    });
+    if (options_->frames && pictures_.ms.count() > 0) app_->go_on();
+    app_->advance(now(), pixels);
+    look_after(participant_, *app_, *device_);
+    if (const std::string now_shown = app_->title(); now_shown != title_)
+      window_->set_title((title_ = now_shown).empty() ? "palpa" : "palpa: " + title_);
+  }
+
+  bool is_due(bool asked, bool changed) const {
+    const bool rests = rest_.again_s() && now() >= *rest_.again_s();
+    return (changed || rests) && (asked || now() >= next_picture_s());
+  }
+
+  void draw(const Size& pixels, bool changed) {
+    const double started_s = now(), ratio = options_->pixel_ratio.value_or(window_->pixel_ratio());
+    // The run may compute on the processor that draws the pictures, so they take turns.
+    std::function<void()> pause;
+    if (app_->data().content.live && presenter_.on_processor()) {
+      pieces_.begin();
+      pause = [&] { pieces_.pause(); };
+      pause();
+    }
+    if (app_->stale()) presenter_.finish();
+    app_->update(drawn_);
+    if (pause) pause();
+    const App::Frame frame = app_->render(pixels, ratio, started_s);
+    const FinePictures wanted = app_->data().state.fine;
+    const Fineness fineness = rest_.next(wanted, presenter_.slow(), changed, started_s);
+    // Later pictures in motion are quick ones. They must not wait for a driver that compiles.
+    if (pictures_.ms.count() == 0 && wanted == FinePictures::automatic && presenter_.slow())
+      presenter_.expect(Fineness::quick);
+    const bool shown =
+        presenter_.draw({pixels.width, pixels.height}, drawn_, frame.views, ratio, frame.sheet, fineness, pause);
+    const double waited_s = pause ? pieces_.end() : 0;
+    last_drawn_s_ = now();
+    const double took_s = last_drawn_s_ - started_s - waited_s;
+    app_->drew(took_s);
+    if (!shown) return app_->handle({}, pixels);  // draw again
+    rest_.drew(wanted, fineness, last_drawn_s_);
+    if (!changed) return;  // the same picture, but finer
+    pictures_.ms.add(took_s * 1e3);
+    pictures_.size = pixels;
+    script_->drew();
+    filming_.add(drawn_, frame, pixels, ratio, pause);
+  }
+
+  const ViewerOptions* options_;
+  Script* script_;
+  Window* window_;
+  App* app_;
+  const gpu::Device* device_;
+  Clock::time_point begin_;
+  const WindowSurface surface_;
+  DrawnPicture drawn_;  // outlives the frames that draw it: the presenter's end waits for them
+  Presenter presenter_;
+  Filming filming_;
+  std::optional<ParticipantWindow> participant_;
+  std::vector<WindowEvent> events_;
+  Rest rest_;
+  PicturesDrawn pictures_;
+  std::string title_;
+  double last_drawn_s_ = -1;
+  PictureSteps pieces_{[this](double work_s, double most_s) {
+    return app_->session() ? app_->session()->let_run(work_s, most_s) : 0.0;
+  }};
+};
+
 }  // namespace
 
 void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
@@ -98,7 +226,6 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
                  .before = sized || settings.empty() ? std::nullopt : remembered_window(settings)},
                 "palpa");
   const Clock::time_point begin = Clock::now();
-  const auto now = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
   Stopper stopper(options, Window::wake);
   DrawingThreads threads;
   App app(options, size,
@@ -122,88 +249,15 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   device_options.window_extensions = window.extensions();
   const gpu::Device device(device_options);
   threads.have_begun();
-  const WindowSurface surface(device, window);
-  DrawnPicture drawn(device);  // outlives the frames that draw it: the presenter's end waits for them
-  Presenter presenter(device, surface.get());
-  Filming filming(device, options.video);
+  WindowPictures pictures(options, script, window, app, device, begin);
   app.use_font(system_font());
   app.tell_monitors(Window::monitors());
-  std::optional<ParticipantWindow> participant;
-  std::vector<WindowEvent> events;
-  Rest rest;
-  PicturesDrawn pictures;
-  std::string title;
-  double last_drawn_s = -1;
-  PictureSteps pieces(
-      [&](double work_s, double most_s) { return app.session() ? app.session()->let_run(work_s, most_s) : 0.0; });
   const SilentEnd silent_end(stopper.flag());
-
-  // Draws only when something has changed, so an idle window costs nothing.
-  while (!window.closing() && !app.quitting() && !(options.frames && pictures.ms.count() >= *options.frames)) {
-    const Size pixels = pixels_of(window);
-    const bool visible = pixels.width > 0 && pixels.height > 0;
-    double timeout = -1;
-    if (const std::optional<double> next = app.next_s()) timeout = std::max(*next - now(), 1e-3);
-    if (const std::optional<double> again = rest.again_s(); visible && again) {
-      const double until = std::max(*again - now(), 1e-3);
-      timeout = timeout < 0 ? until : std::min(timeout, until);
-    }
-    if (visible && app.dirty()) timeout = std::max(last_drawn_s + shortest_s(app) - now(), 0.0);
-    if (options.frames || script.busy()) timeout = 0;
-    events.clear();
-    window.wait(timeout, events);
-    for (const WindowEvent& event : events)
-      app.handle(event, pixels);
-    script.play(now(), [&](const Interaction& step) {
-      if (step.kind == Interaction::Kind::resize) window.resize(step.width, step.height);
-      if (step.kind == Interaction::Kind::event) app.handle(step.event, pixels);
-    });
-    if (options.frames && pictures.ms.count() > 0) app.go_on();
-    app.advance(now(), pixels);
-    look_after(participant, app, device);
-    if (const std::string now_shown = app.title(); now_shown != title)
-      window.set_title((title = now_shown).empty() ? "palpa" : "palpa: " + title);
-    const bool asked = options.frames || script.busy(), changed = app.dirty() || asked;
-    const bool rests = rest.again_s() && now() >= *rest.again_s();
-    if (!visible || !(changed || rests)) continue;
-    if (now() < last_drawn_s + shortest_s(app) && !asked) continue;
-    const double started_s = now(), ratio = options.pixel_ratio.value_or(window.pixel_ratio());
-    // The run may compute on the processor that draws the pictures, so they take turns.
-    std::function<void()> pause;
-    if (app.data().content.live && presenter.on_processor()) {
-      pieces.begin();
-      pause = [&] { pieces.pause(); };
-      pause();
-    }
-    if (app.stale()) presenter.finish();
-    app.update(drawn);
-    if (pause) pause();
-    const App::Frame frame = app.render(pixels, ratio, started_s);
-    const FinePictures wanted = app.data().state.fine;
-    const Fineness fineness = rest.next(wanted, presenter.slow(), changed, started_s);
-    // Later pictures in motion are quick ones. They must not wait for a driver that compiles.
-    if (pictures.ms.count() == 0 && wanted == FinePictures::automatic && presenter.slow())
-      presenter.expect(Fineness::quick);
-    const bool shown =
-        presenter.draw({pixels.width, pixels.height}, drawn, frame.views, ratio, frame.sheet, fineness, pause);
-    const double waited_s = pause ? pieces.end() : 0;
-    last_drawn_s = now();
-    const double took_s = last_drawn_s - started_s - waited_s;
-    app.drew(took_s);
-    if (!shown) {
-      app.handle({}, pixels);  // draw again
-      continue;
-    }
-    rest.drew(wanted, fineness, last_drawn_s);
-    if (!changed) continue;  // the same picture, but finer
-    pictures.ms.add(took_s * 1e3);
-    pictures.size = pixels;
-    script.drew();
-    filming.add(drawn, frame, pixels, ratio, pause);
-  }
+  while (pictures.goes_on())
+    pictures.turn();
   if (const auto place = window.place(); place && !sized) app.window_is_at(*place);
   stopper.end(app);
-  report_window(options, outputs, pictures);
+  report_window(options, outputs, pictures.pictures());
   report_run(options, outputs, app.session());
 }
 

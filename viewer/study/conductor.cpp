@@ -385,78 +385,108 @@ ParticipantView Conductor::participant_view() const {
   return view;
 }
 
+namespace {
+
+void add_line(ExperimenterView& view, const char* name, std::string value, bool warns = false) {
+  view.lines.push_back({name, std::move(value), warns});
+}
+
+void tell_limits(ExperimenterView& view) {
+  std::string limits;
+  for (const study::EarLimit& limit : study::ear_limits())
+    limits += fmt::format("{}{:.0f} dB {} ({})", limits.empty() ? "" : "\n", limit.db, limit.who, limit.what);
+  for (std::size_t at = 0, line = 0; at < limits.size(); ++line) {
+    const std::size_t end = std::min(limits.find('\n', at), limits.size());
+    add_line(view, line == 0 ? "limits" : "", limits.substr(at, end - at));
+    at = end + 1;
+  }
+}
+
+}  // namespace
+
 ExperimenterView Conductor::experimenter_view() const {
   static constexpr const char* names[] = {"set-up",         "consent page", "consent to depth images",
                                           "ready to begin", "touch",        "question",
                                           "feedback",       "a break",      "paused",
                                           "the end",        "stopped"};
-  const study::Agenda& agenda = sitting_->agenda();
   ExperimenterView view;
   view.title =
       fmt::format("{} · participant {}{}", plan_->title, *run_->participant, run_->rehearse ? " · rehearsal" : "");
   view.state = names[static_cast<std::size_t>(sitting_->screen())];
   view.may_sound = presentation_->gate().may_sound();
   view.sounds = presentation_->gate().heard();
-  const auto add = [&](const char* name, std::string value, bool warns = false) {
-    view.lines.push_back({name, std::move(value), warns});
-  };
-  add("steps", fmt::format("{} of {} complete, {} void", agenda.complete(), agenda.steps().size(), agenda.voided()));
-  if (agenda.current()) {
-    const study::Step& step = agenda.step(*agenda.current());
-    const study::Presented presented = sitting_->presented();
-    add("now",
-        fmt::format("step {}: {}", *agenda.current() + 1, word_of(study::block_words, plan_->blocks[step.block].kind)));
-    add("method", plan_->methods[step.method].name);
-    if (step.shape || plan_->blocks[step.block].kind == study::BlockKind::free)
-      add("shape", plan_->shapes[presented.shape].name);
-  }
+  tell_step(view);
+  tell_array(view);
+  tell_finger(view);
+  tell_level(view);
+  tell_limits(view);
+  add_line(view, "masking", masking_->name(), masking_->name() == "off");
+  if (!sitting_->reason().empty()) add_line(view, "reason", sitting_->reason(), true);
+  offer_commands(view);
+  return view;
+}
+
+void Conductor::tell_step(ExperimenterView& view) const {
+  const study::Agenda& agenda = sitting_->agenda();
+  add_line(view, "steps",
+           fmt::format("{} of {} complete, {} void", agenda.complete(), agenda.steps().size(), agenda.voided()));
+  if (!agenda.current()) return;
+  const study::Step& step = agenda.step(*agenda.current());
+  const study::BlockKind kind = plan_->blocks[step.block].kind;
+  add_line(view, "now", fmt::format("step {}: {}", *agenda.current() + 1, word_of(study::block_words, kind)));
+  add_line(view, "method", plan_->methods[step.method].name);
+  if (step.shape || kind == study::BlockKind::free)
+    add_line(view, "shape", plan_->shapes[sitting_->presented().shape].name);
+}
+
+void Conductor::tell_array(ExperimenterView& view) const {
   const bool failed = !presentation_->fault().empty(), gone = presentation_->gate().out_of_reach();
-  add("array",
-      failed                   ? presentation_->fault()
-      : gone                   ? run_->link + " is out of reach: see whether it is plugged in and switched on"
-      : presentation_->ready() ? fmt::format("{}, {:.0f} frames/s", run_->link, presentation_->rate_hz())
-                               : "is being prepared",
-      failed || gone);
+  add_line(view, "array",
+           failed                   ? presentation_->fault()
+           : gone                   ? run_->link + " is out of reach: see whether it is plugged in and switched on"
+           : presentation_->ready() ? fmt::format("{}, {:.0f} frames/s", run_->link, presentation_->rate_hz())
+                                    : "is being prepared",
+           failed || gone);
   study::TouchLosses overload = last_losses_;
   if (overload.drives <= GateCounts::overtaken) overload.drives = 0;  // they may be on their way
   const std::string lost = to_text(overload);
-  add("overload", lost.empty() ? "none" : lost + (touching_ ? " in this touch" : " in the last touch"), !lost.empty());
+  add_line(view, "overload", lost.empty() ? "none" : lost + (touching_ ? " in this touch" : " in the last touch"),
+           !lost.empty());
+}
+
+void Conductor::tell_finger(ExperimenterView& view) const {
   const std::optional<double> depth = presentation_->deepest_m();
-  if (depth) {
-    add("finger", fmt::format("{:.0f} mm {} the top", std::abs(*depth) * 1e3, *depth < 0 ? "above" : "below"),
-        *depth > plan_->run.deep_m);
-  } else {
-    add("finger", "not over the object");
-  }
-  add("level",
-      fmt::format("{:.0f} dB {} at the louder ear, limit {:.0f} dB", level_.loudest_db(), level_.word(),
-                  plan_->level.limit_db),
-      level_.loudest_db() > plan_->level.limit_db);
+  if (!depth) return add_line(view, "finger", "not over the object");
+  add_line(view, "finger", fmt::format("{:.0f} mm {} the top", std::abs(*depth) * 1e3, *depth < 0 ? "above" : "below"),
+           *depth > plan_->run.deep_m);
+}
+
+/// At the participant's ears.
+void Conductor::tell_level(ExperimenterView& view) const {
+  add_line(view, "level",
+           fmt::format("{:.0f} dB {} at the louder ear, limit {:.0f} dB", level_.loudest_db(), level_.word(),
+                       plan_->level.limit_db),
+           level_.loudest_db() > plan_->level.limit_db);
   const std::string reflections =
       level_.measured ? std::string() : fmt::format("reflections +-{:.0f} dB; ", study::reflections_db);
-  add("", fmt::format("{:.0f} dB equivalent for 8 h; {}ceiling {:g}", level_.equivalent_db(), reflections,
-                      plan_->level.ceiling));
+  add_line(view, "",
+           fmt::format("{:.0f} dB equivalent for 8 h; {}ceiling {:g}", level_.equivalent_db(), reflections,
+                       plan_->level.ceiling));
   const double sounded_s = study::sounded_s(record_.entries());
-  add("dose", sounded_s > 0 ? fmt::format("{:.0f} s of sound so far: at most {:.0f} dB equivalent for 8 h", sounded_s,
-                                          study::equivalent_db(level_.loudest_db(), sounded_s))
-                            : "no sound so far");
-  std::string limits;
-  for (const study::EarLimit& limit : study::ear_limits())
-    limits += fmt::format("{}{:.0f} dB {} ({})", limits.empty() ? "" : "\n", limit.db, limit.who, limit.what);
-  for (std::size_t at = 0, line = 0; at < limits.size(); ++line) {
-    const std::size_t end = std::min(limits.find('\n', at), limits.size());
-    add(line == 0 ? "limits" : "", limits.substr(at, end - at));
-    at = end + 1;
-  }
-  add("masking", masking_->name(), masking_->name() == "off");
-  if (!sitting_->reason().empty()) add("reason", sitting_->reason(), true);
+  add_line(view, "dose",
+           sounded_s > 0 ? fmt::format("{:.0f} s of sound so far: at most {:.0f} dB equivalent for 8 h", sounded_s,
+                                       study::equivalent_db(level_.loudest_db(), sounded_s))
+                         : "no sound so far");
+}
+
+void Conductor::offer_commands(ExperimenterView& view) const {
   const Screen screen = sitting_->screen();
+  const bool failed = !presentation_->fault().empty();
   if (screen == Screen::setup || screen == Screen::paused)
     view.buttons.push_back({Command::go_on, failed && screen == Screen::setup ? "try again" : "continue", "space"});
   if (screen != Screen::setup && screen != Screen::paused && !over())
     view.buttons.push_back({Command::pause, "pause", "P"});
   if (!over()) view.buttons.push_back({Command::stop, "stop", "Q"});
-  return view;
 }
 
 }  // namespace palpa::viewer

@@ -71,6 +71,11 @@ class Conductor {
   bool keeps_depth() const;
   std::string next_file(const std::string& end) const;
   bool silences(study::Act act) const;
+  void tell_step(ExperimenterView& view) const;
+  void tell_array(ExperimenterView& view) const;
+  void tell_finger(ExperimenterView& view) const;
+  void tell_level(ExperimenterView& view) const;
+  void offer_commands(ExperimenterView& view) const;
   bool answers_early(const std::optional<std::size_t>& button);
   void write(study::Entry entry);
 

@@ -225,7 +225,7 @@ Spectrum spectrum_of(const Voice& voice, double slot_s, const SpectrumOptions& o
   if (options.field) {
     // A finger's field already uses the drives for the requested pressure.
     const AskedField asked(*options.field);
-    const bool by_pressure = voice.pressure_pa > 0 && options.field->kind() == FocusKind::array;
+    const bool by_pressure = voice.pressure_pa && options.field->kind() == FocusKind::array;
     const FocusField& field = by_pressure ? asked : *options.field;
     field.felt(path, per_side, table);
   } else {

@@ -14,7 +14,7 @@ void make_voice(const touch::Placement& placement, std::uint32_t id, std::uint32
   voice.solid = solid;
   voice.dwell_s = options.dwell_s;
   voice.gain = options.gain;
-  voice.pressure_pa = options.pressure_pa.value_or(0);
+  voice.pressure_pa = options.pressure_pa;
   voice.target_pa = 0;
   voice.reached_pa.reset();
   voice.modulation_hz = placement.still() ? options.modulation_hz : 0;

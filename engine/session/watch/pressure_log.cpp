@@ -13,7 +13,7 @@ std::optional<std::string> unreached(const array::Schedule& schedule, std::span<
                                      const char* why) {
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
-    const double asked = voice.pressure_pa * voice.gain;
+    const double asked = voice.asked_pa();
     if (!voice.reached_pa || is_reached(asked, *voice.reached_pa)) continue;
     const int decimals = asked < 100 ? 2 : 0;
     return fmt::format("finger {} on {} has {:.{}f} Pa of the {:.{}f} Pa that are asked for: {}{}", voice.id,
@@ -38,7 +38,7 @@ void PressureLog::planned(const array::Schedule& schedule, const array::Schedule
       finger = fingers_.insert(finger, {.id = voice.id, .solid = voice.solid});
     }
     const double reached = *voice.reached_pa;
-    finger->asked_pa = voice.pressure_pa * voice.gain;
+    finger->asked_pa = voice.asked_pa();
     finger->least_pa = finger->frames == 0 ? reached : std::min(finger->least_pa, reached);
     finger->most_pa = std::max(finger->most_pa, reached);
     finger->sum_pa += reached;

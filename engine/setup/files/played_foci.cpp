@@ -75,8 +75,10 @@ void read_voice(const Item& finger, std::uint64_t slot, double slot_s, std::vect
   voice.course.first_slot = slot;
   voice.course.gains = read_gains(finger, slot_s);
   if (!finger.has("pressure_pa")) return;
-  voice.pressure_pa = number(finger, "pressure_pa", 0, array::most_pressure_pa);
-  if (voice.pressure_pa > 0) voice.gain = 1;
+  const double pressure_pa = number(finger, "pressure_pa", 0, array::most_pressure_pa);
+  if (pressure_pa == 0) return;
+  voice.pressure_pa = pressure_pa;
+  voice.gain = 1;
 }
 
 void read_frame(const Item& frame, session::PlayedFoci& played) {

@@ -69,7 +69,7 @@ array::Schedule slot_of_touch(const DriveTask& task, const array::Schedule& touc
 /// Refuses fingers that request a pressure together with options that a pressure replaces.
 void check_pressures(const DriveTask& task, const array::Schedule& touch) {
   for (const array::Voice& finger : touch.voices) {
-    if (finger.pressure_pa > 0)
+    if (finger.pressure_pa)
       refuse_beside_pressure(task.drive, fmt::format("finger {} of {} asks for a pressure", finger.id, task.touch));
   }
 }
@@ -77,7 +77,7 @@ void check_pressures(const DriveTask& task, const array::Schedule& touch) {
 /// Sets the pressure for each voice that does not request one itself.
 void ask_for_pressure(const FocusingOptions& drive, array::Schedule& schedule) {
   for (array::Voice& voice : schedule.voices) {
-    if (voice.pressure_pa == 0) voice.pressure_pa = drive.pressure_pa.value_or(0);
+    if (!voice.pressure_pa) voice.pressure_pa = drive.pressure_pa;
   }
 }
 

@@ -31,7 +31,7 @@ array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldR
   array::Schedule schedule = schedule_of(task.foci, layout);
   prepare_nulls(task.drive, layout, options);
   for (array::Voice& voice : schedule.voices)
-    voice.pressure_pa = task.drive.pressure_pa.value_or(0);
+    voice.pressure_pa = task.drive.pressure_pa;
   array::foci_of_slot(schedule, 0, result.foci);
   check_nulls(layout, result.foci, options);
   array::Drive drive = drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);

@@ -113,7 +113,7 @@ std::vector<std::complex<double>> factors_for(const array::Layout& layout, array
   loudness.solve(schedule, 1);
   for (std::uint32_t v = 0; v < schedule.voice_count; ++v) {
     const array::Voice& voice = schedule.voices[v];
-    const double asked = voice.pressure_pa * voice.gain, reached = *voice.reached_pa;
+    const double asked = voice.asked_pa(), reached = *voice.reached_pa;
     if (session::is_reached(asked, reached)) continue;
     const std::string who =
         touch.empty() ? fmt::format("--pressure: focus {}", v + 1) : fmt::format("{}: finger {}", touch, voice.id);

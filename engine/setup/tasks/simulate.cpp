@@ -154,6 +154,72 @@ session::Plan focused_on(acoustics::FingerTransfer& finger, session::Plan plan, 
   return plan;
 }
 
+/// Puts the finger as deep into the solids as the result says. Returns by how much its y grows.
+double lower(const FingerBody& finger, std::span<const geometry::Solid> solids, SimulateResult& result) {
+  const double dy = lowering(solids, finger.as_given().positions, result.penetration_m);
+  result.tip = Vec3(0, dy, 0);
+  result.body = finger.body();
+  for (Vec3& p : result.body.positions)
+    p.y += dy;
+  return dy;
+}
+
+void check_array(const SimulateTask& o, const TouchArray& array, const std::vector<geometry::Solid>& solids,
+                 const std::string& finger, const geometry::Mesh& body) {
+  check(o.drive, solids);
+  acoustics::check_clear_of(finger, body, array.layout);
+  warn_of_reach(array.layout, solids);
+  warn_of_frequency(array.layout, array.drive.medium);
+  log::release_warnings();
+}
+
+/// The mean pressure on the finger, and the force on it; warns where the two ways to the force differ.
+void put_pressure(const SimulateTask& o, const std::string& finger, const session::Sounds& sounds,
+                  const array::Layout& layout, const acoustics::Air& air, const acoustics::Incident& incident,
+                  const acoustics::RigidBody& body, Stopwatch& watch, SimulateResult& result) {
+  std::vector<Vec3> transducers;
+  for (const array::Transducer& transducer : layout.transducers)
+    transducers.push_back(transducer.position);
+  const std::optional<acoustics::FarForce> far = acoustics::FarForce::of(body, transducers);
+  const acoustics::Incident lossless(layout, acoustics::without_absorption(air), o.drive.directivity);
+  std::optional<session::FarSound> in_air;
+  if (far) in_air.emplace(session::FarSound{.force = *far, .lossless = lossless});
+  result.pressure = session::mean_pressure(sounds, incident, air, body, in_air ? &*in_air : nullptr);
+  const double far_ms = in_air ? in_air->took_ms : 0;
+  result.times.emplace_back("pressure", watch.lap_ms() - far_ms);
+  result.times.emplace_back("far_force", far_ms);
+  if (in_air) {
+    result.far_force = in_air->mean;
+    warn_of_force(finger, result.pressure, in_air->mean);
+  }
+  result.effort = body.effort();
+}
+
+/// What is felt over time.
+void put_fingers(const SimulateTask& o, const OneTouch& one, Stopwatch& watch, SimulateResult& result) {
+  const std::span<const session::ScheduledFinger> fingers = one.session.scheduler().fingers();
+  result.fingers.assign(fingers.begin(), fingers.end());
+  for (std::uint32_t f = 0; f < one.touch.finger_count; ++f)
+    result.touched.push_back(one.session.solids()[one.touch.fingers[f].solid].name);
+  if (!o.in_time.spectrum) return;
+  result.spectra = spectra_of(one.session);
+  result.times.emplace_back("spectrum", watch.lap_ms());
+}
+
+void put_spread(const SimulateTask& o, const session::Sounds& sounds, const array::Layout& layout,
+                const std::shared_ptr<const acoustics::RigidBody>& body, Stopwatch& watch, SimulateResult& result) {
+  watch.lap_ms();
+  result.spread = spread_of_pressure({.sounds = sounds,
+                                      .layout = layout,
+                                      .directivity = o.drive.directivity,
+                                      .medium = o.drive.medium,
+                                      .air = o.air,
+                                      .body = body,
+                                      .tip = result.tip},
+                                     parse_spread(o.spread.text), draws_of(o.spread, o.compute.seed));
+  result.times.emplace_back("spread", watch.lap_ms());
+}
+
 }  // namespace
 
 SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::string& scene,
@@ -166,21 +232,13 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   result.top_m = top_of(solids);
   Stopwatch watch;
   const acoustics::Air air = setup::air(o.drive.medium, o.air);
-  const double dy = lowering(solids, finger.as_given().positions, o.penetration_m);
-  result.tip = Vec3(0, dy, 0);
-  result.body = finger.body();
-  for (Vec3& p : result.body.positions)
-    p.y += dy;
+  const double dy = lower(finger, solids, result);
   const PosedRig rig = load_posed_rig(o.rig);
   const TouchInput skin = o.skin == Skin::cameras ? seen_skin(o, rig, finger, dy) : skin_of(finger.as_given(), dy);
   TouchArray array{.layout = rig.layout,
                    .drive = drive_options(o.drive, method, FingerMesh::known),
                    .pressure_pa = o.drive.pressure_pa};
-  check(o.drive, solids);
-  acoustics::check_clear_of(finger.name(), result.body, array.layout);
-  warn_of_reach(array.layout, solids);
-  warn_of_frequency(array.layout, array.drive.medium);
-  log::release_warnings();
+  check_array(o, array, solids, finger.name(), result.body);
   result.times.emplace_back("load", watch.lap_ms());
   array::DriveOptions drive = array.drive;
   std::optional<SoundThere> sound;
@@ -190,7 +248,8 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
     result.times.emplace_back("operator", watch.lap_ms());
     if (sound->field) array.field = &*sound->field;
   };
-  if (o.in_time.spectrum || o.touch.tune) stand();
+  const bool in_time = o.in_time.spectrum || o.touch.tune;
+  if (in_time) stand();
 
   const OneTouch one =
       touch_once(o.compute, o.touch, o.in_time, scene, std::move(solids), skin, std::move(array), result.times);
@@ -208,47 +267,12 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   result.unreached = session::unreached(plan.schedule, one.session.solid_names());
   const session::Sounds sounds = session::sounds_of(plan, rig.layout, drive);
   const acoustics::Incident incident(rig.layout, air, o.drive.directivity);
-  std::vector<Vec3> transducers;
-  for (const array::Transducer& transducer : rig.layout.transducers)
-    transducers.push_back(transducer.position);
-  const std::optional<acoustics::FarForce> far = acoustics::FarForce::of(*sound->body, transducers);
-  const acoustics::Incident lossless(rig.layout, acoustics::without_absorption(air), o.drive.directivity);
-  std::optional<session::FarSound> in_air;
-  if (far) in_air.emplace(session::FarSound{.force = *far, .lossless = lossless});
-  result.pressure = session::mean_pressure(sounds, incident, air, *sound->body, in_air ? &*in_air : nullptr);
-  const double far_ms = in_air ? in_air->took_ms : 0;
-  result.times.emplace_back("pressure", watch.lap_ms() - far_ms);
-  result.times.emplace_back("far_force", far_ms);
-  if (in_air) {
-    result.far_force = in_air->mean;
-    warn_of_force(finger.name(), result.pressure, in_air->mean);
-  }
-  result.effort = sound->body->effort();
-  if (o.in_time.spectrum || o.touch.tune) {
-    const std::span<const session::ScheduledFinger> fingers = one.session.scheduler().fingers();
-    result.fingers.assign(fingers.begin(), fingers.end());
-    for (std::uint32_t f = 0; f < one.touch.finger_count; ++f)
-      result.touched.push_back(one.session.solids()[one.touch.fingers[f].solid].name);
-  }
-  if (o.in_time.spectrum) {
-    result.spectra = spectra_of(one.session);
-    result.times.emplace_back("spectrum", watch.lap_ms());
-  }
+  put_pressure(o, finger.name(), sounds, rig.layout, air, incident, *sound->body, watch, result);
+  if (in_time) put_fingers(o, one, watch, result);
   result.langevin = acoustics::spot_of(result.body, result.pressure.langevin);
   result.squared = acoustics::spot_of(result.body, result.pressure.squared);
   result.load = acoustics::about(result.tip, result.pressure.langevin_load);
-  if (!o.spread.text.empty()) {
-    watch.lap_ms();
-    result.spread = spread_of_pressure({.sounds = sounds,
-                                        .layout = rig.layout,
-                                        .directivity = o.drive.directivity,
-                                        .medium = o.drive.medium,
-                                        .air = o.air,
-                                        .body = sound->body,
-                                        .tip = result.tip},
-                                       parse_spread(o.spread.text), draws_of(o.spread, o.compute.seed));
-    result.times.emplace_back("spread", watch.lap_ms());
-  }
+  if (!o.spread.text.empty()) put_spread(o, sounds, rig.layout, sound->body, watch, result);
   if (o.bare_elongation)
     result.bare_elongation = session::bare_elongation(sounds, incident, one.touch.fingers[0].section.centroid);
   return result;

@@ -189,7 +189,7 @@ void add_finger(JsonWriter& json, const TouchValues& values, std::uint32_t index
   json.end_array();
   const array::Voice& voice = values.schedule.voices[index];
   if (voice.gain != 1) json.member("gain", voice.gain);
-  if (const double asked = voice.pressure_pa * voice.gain; asked > 0) json.member("asked_pa", asked);
+  if (const double asked = voice.asked_pa(); asked > 0) json.member("asked_pa", asked);
   if (!values.pressures.empty()) add_pressures(json, values.pressures[index], placement);
   if (values.own_schedule[index]) add_schedule(json, by_sector(voice, placement));
   add_felt(json, scheduled, values.spectra.empty() ? nullptr : &values.spectra[index]);

@@ -165,64 +165,73 @@ void Sitting::act(Act act, std::int64_t now_ns) {
   }
   const bool free = screen_ == Screen::touching && block().kind == BlockKind::free;
   if (free && (act == Act::next_shape || act == Act::other_shape)) {
-    const std::vector<std::uint32_t>& shapes = block().shapes;
-    const auto at = static_cast<std::size_t>(std::ranges::find(shapes, chosen_) - shapes.begin());
-    const std::size_t by = act == Act::next_shape ? 1 : shapes.size() - 1;
-    choose((at + by) % shapes.size(), now);
-    return;
+    turn_shape(act, now);
+  } else {
+    act_here(act, now);
   }
+}
+
+/// In the free exploration.
+void Sitting::turn_shape(Act act, std::int64_t now_ns) {
+  const std::vector<std::uint32_t>& shapes = block().shapes;
+  const auto at = static_cast<std::size_t>(std::ranges::find(shapes, chosen_) - shapes.begin());
+  const std::size_t by = act == Act::next_shape ? 1 : shapes.size() - 1;
+  choose((at + by) % shapes.size(), now_ns);
+}
+
+/// What it means depends on the screen that is shown.
+void Sitting::act_here(Act act, std::int64_t now_ns) {
   switch (screen_) {
     case Screen::touching:
-      pause("silenced by a key of the participant", now);
-      break;
+      return pause("silenced by a key of the participant", now_ns);
     case Screen::setup:
-      if (act != Act::go_on) break;
-      if (!agenda_.consent()) {
-        screen_ = Screen::consent;
-      } else {
-        next_step();
-      }
-      break;
+      if (act == Act::go_on) ask_or_go_on();
+      return;
     case Screen::consent:
-      if (act != Act::accept && act != Act::decline) break;
-      if (act == Act::accept && plan_.run.ask_depth_frames) {
-        screen_ = Screen::depth_consent;
-        break;
-      }
-      record({.kind = EntryKind::consent, .at_ns = now, .accepted = act == Act::accept});
-      if (act == Act::accept) {
-        next_step();
-      } else {
-        end();
-      }
-      break;
     case Screen::depth_consent:
-      if (act != Act::accept && act != Act::decline) break;
-      record({.kind = EntryKind::consent, .at_ns = now, .accepted = true, .depth_frames = act == Act::accept});
-      next_step();
-      break;
+      return take_consent(act, now_ns);
     case Screen::ready:
-      if (act == Act::go_on) begin_step(now);
-      break;
+      if (act == Act::go_on) begin_step(now_ns);
+      return;
     case Screen::feedback:
       if (act == Act::go_on) next_step();
-      break;
+      return;
     case Screen::paused:
-      if (act != Act::go_on) break;
-      record({.kind = EntryKind::resume, .at_ns = now});
+      if (act != Act::go_on) return;
+      record({.kind = EntryKind::resume, .at_ns = now_ns});
       reason_.clear();
-      if (!agenda_.consent()) {
-        screen_ = Screen::consent;
-      } else {
-        next_step();
-      }
-      break;
+      return ask_or_go_on();
     case Screen::question:
     case Screen::rest:
     case Screen::end:
     case Screen::stopped:
-      break;
+      return;
   }
+}
+
+/// The answer on a page that asks for consent: to the study first, then to keeping depth images.
+void Sitting::take_consent(Act act, std::int64_t now_ns) {
+  if (act != Act::accept && act != Act::decline) return;
+  const bool accepts = act == Act::accept;
+  if (screen_ == Screen::depth_consent) {
+    record({.kind = EntryKind::consent, .at_ns = now_ns, .accepted = true, .depth_frames = accepts});
+    return next_step();
+  }
+  if (accepts && plan_.run.ask_depth_frames) {
+    screen_ = Screen::depth_consent;
+    return;
+  }
+  record({.kind = EntryKind::consent, .at_ns = now_ns, .accepted = accepts});
+  if (accepts) {
+    next_step();
+  } else {
+    end();
+  }
+}
+
+void Sitting::ask_or_go_on() {
+  if (agenda_.consent()) return next_step();
+  screen_ = Screen::consent;
 }
 
 void Sitting::answer(std::size_t choice, std::int64_t now_ns) {

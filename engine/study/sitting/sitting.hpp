@@ -98,6 +98,10 @@ class Sitting {
 
  private:
   void record(const Entry& entry);
+  void act_here(Act act, std::int64_t now_ns);
+  void turn_shape(Act act, std::int64_t now_ns);
+  void take_consent(Act act, std::int64_t now_ns);
+  void ask_or_go_on();
   void next_step();
   void end();
   void begin_step(std::int64_t now_ns);

@@ -42,7 +42,7 @@ struct Track {
   // When it was last seen by itself:
   std::uint32_t contacts = 0;
   glm::mat3 covariance{};
-  // Of this frame's fingers:
+  // Known only for the fingers of this frame:
   /// Time since it was last seen by itself. Nothing: it is new, was in another's cluster since then, or was missing for
   /// longer than it coasts.
   std::optional<std::uint32_t> since_us{};

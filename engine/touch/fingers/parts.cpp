@@ -233,7 +233,7 @@ class Grouping {
     name_by_first(chosen);
   }
 
-  /// Of each known finger: the number of its groups, and the first of them.
+  /// The number of groups of each known finger, and the first of them.
   struct PartsOfKnown {
     std::array<std::uint32_t, max_fingers> count{};
     std::array<std::size_t, max_fingers> first{};

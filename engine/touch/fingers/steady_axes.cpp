@@ -76,7 +76,7 @@ InPlane principal_in_plane(const glm::mat3& covariance, const glm::vec3& w1, con
   const float l1 = middle + radius;
   InPlane r{l1, std::max(1.0e-6F * l1, middle - radius)};  // as for fingers that are points
   if (!(radius > 0)) return r;
-  // Of twice the angle.
+  // Cosine and sine are of twice the angle.
   const float cosine2 = apart / radius, sine2 = xy / radius;
   if (cosine2 >= 0) {
     r.first.x = std::sqrt(0.5F * (1.0F + cosine2));

@@ -8,7 +8,7 @@
 
 namespace palpa::touch {
 
-/// Of a cross-section with its principal axes.
+/// The covariance of a cross-section with its principal axes.
 glm::mat3 covariance_of(const CrossSection& section);
 
 /// For a finger without an earlier frame: the principal axes, unless depth shows better where they face. Signs as

@@ -14,6 +14,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/tiny_files.hpp"
 #include "sensation/pattern_text.hpp"
+#include "support/boards.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
@@ -51,7 +52,7 @@ class CliAliases : public testing::Test {
                R"({"slot_s":0.0015,"frames":[{"slot":0,"time_s":0,"fingers":[{"id":0,"solid":"","foci_m":[[0,0,0.1]],)"
                R"("order":[0],"dwell_s":0.0015,"modulation_hz":0,"gain":1}]}]})");
     write_text(folder_ / "boards/board_A.pat", "A 256 128\n");
-    write_text(folder_ / "boards/sonicsurface.txt", "0\n");
+    write_text(folder_ / "boards" / serial_board_file(), "0\n");
     write_participant(folder_ / "study", 1, {{"m", 20}});
     write_text(folder_ / (log_ + "_recording-finger_physio.tsv.gz"), "not looked at before it is refused");
     write_text(folder_ / (log_ + "_recording-finger_physio.json"),
@@ -101,7 +102,8 @@ class CliAliases : public testing::Test {
 };
 
 const std::string gltf = "scene.gltf picture.png corners.bin", rig = "mask.png layout.toml rig.toml",
-                  filmed = "take/mask.png take/times.csv take/recording.toml take/depth-0.png";
+                  filmed = "take/mask.png take/times.csv take/recording.toml take/depth-0.png",
+                  boards = "boards/" + serial_board_file() + " boards/board_A.pat";
 const std::vector<Line> lines{
     {"doctor", "", "--json --write-rig"},
     {"doctor --rig IN/rig.toml --layout IN/layout.toml", rig, "--json"},
@@ -123,8 +125,7 @@ const std::vector<Line> lines{
      "finger.ply", "--link=record:"},
     {"run --scene IN/scene.gltf --layout IN/layout.toml --source bag:IN/take.bag", "take.bag",
      "--json --events --link=record:"},
-    {"run --scene IN/scene.gltf --link openmpd:NONE --board-files IN/boards",
-     "boards/sonicsurface.txt boards/board_A.pat", "--json --events"},
+    {"run --scene IN/scene.gltf --link openmpd:NONE --board-files IN/boards", boards, "--json --events"},
     {"play IN/pattern.adaptics --duration 1ms --layout IN/layout.toml", "pattern.adaptics layout.toml",
      "--json --csv --png --link=record:"},
     {"play IN/pattern.adaptics --duration 1ms --rig IN/rig.toml", "layout.toml rig.toml", "--json --csv"},
@@ -141,8 +142,8 @@ const std::vector<Line> lines{
     {"link test --layout IN/layout.toml", "layout.toml", "--link=record:"},
     {"link test --layout IN/layout.toml", "", "--json --link=record:"},
     {"link test --layout IN/layout.toml --link null", "layout.toml", "--json"},
-    {"link test --layout IN/layout.toml --link sonicsurface:/dev/null --board-files IN/boards",
-     "boards/sonicsurface.txt boards/board_A.pat", "--json"},
+    {"link test --layout IN/layout.toml --link " + serial_board() + ":/dev/null --board-files IN/boards", boards,
+     "--json"},
     {"calibrate --nudge --keys enter --rig IN/rig.toml --scene IN/scene.gltf --link openmpd:NONE"
      " --board-files IN/boards --out IN/new",
      "boards/board_A.pat", "--json"},
@@ -190,7 +191,7 @@ const std::vector<Line> lines{
     {"emulate openmpd --view --layout IN/layout.toml", "layout.toml", "--json --trace"},
     {"emulate openmpd --view --board-files IN/boards", "boards/board_A.pat", "--trace"},
     {"emulate autd3 --layout IN/layout.toml", "layout.toml", "--json --trace"},
-    {"emulate sonicsurface --layout IN/layout.toml", "layout.toml", "--json --trace"},
+    {"emulate " + serial_board() + " --layout IN/layout.toml", "layout.toml", "--json --trace"},
 };
 
 TEST_F(CliAliases, OfAnInputAreNoOutput) {

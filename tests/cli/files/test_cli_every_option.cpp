@@ -17,6 +17,7 @@
 #include "cli/support/process.hpp"
 #include "cli/support/reviewed_options.hpp"
 #include "cli/support/told.hpp"
+#include "support/boards.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/pseudo_terminal.hpp"
@@ -169,7 +170,7 @@ TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEmulators) {
   expect_full_program({"emulate", "autd3", "--port", "0"});
   expect_full_program({"emulate", "openmpd", "--serial", "FULL1"});
   PALPA_TERMINAL_OR_SKIP();
-  expect_full_program({"emulate", "sonicsurface"});
+  expect_full_program({"emulate", serial_board()});
 }
 
 /// A line without a GPU's options takes --backend and --seed wherever a program might: nothing is computed on a GPU,

@@ -14,6 +14,7 @@
 #include "cli/support/tiny_files.hpp"
 #include "cli/support/told.hpp"
 #include "geometry/gltf/write.hpp"
+#include "support/boards.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"
@@ -248,7 +249,7 @@ TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
     write_text(folder_ / "theirs.toml", std::string(tiny_camera) + "[array]\nlayout = \"theirs\"\n");
     fs::create_directories(folder_ / "board");
     write_text(folder_ / "board/board_A.pat", contents);
-    write_text(folder_ / "board/sonicsurface.txt", contents);
+    write_text(folder_ / "board" / serial_board_file(), contents);
     write_text(folder_ / "model.glb", contents);
     for (const std::vector<std::string>& line : std::vector<std::vector<std::string>>{
              {"touch", "--scene", path("model.glb"), "--points", points_},
@@ -264,7 +265,7 @@ TEST_F(CliReferences, NoMessageShowsWhatIsNoFileOfItsKind) {
              {"field", "--layout", "openmpd", "--drive", file, "--plane", "xy", "--size", "1cm,1cm"},
              {"field", "--layout", "openmpd", "--focus", "0,0,0.1", "--points", file},
              {"emulate", "openmpd", "--board-files", path("board")},
-             {"link", "test", "--layout", "sonicsurface", "--link", "sonicsurface:/dev/null", "--board-files",
+             {"link", "test", "--layout", serial_board(), "--link", serial_board() + ":/dev/null", "--board-files",
               path("board")}}) {
       const std::vector<std::string> all = with(line, {"--backend", "cpu"});
       // The program starts palpa-guard, which holds the board, from its own folder.

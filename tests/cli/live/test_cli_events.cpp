@@ -20,6 +20,7 @@
 #include "cli/support/process.hpp"
 #include "geometry/gltf/write.hpp"
 #include "sensing/recording.hpp"
+#include "support/boards.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shapes.hpp"
@@ -176,7 +177,7 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   const auto sounding = [&](const std::string& hold) {
     const std::string drives = (folder / ("drives" + hold)).string();
     const Result result = palpa_here({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(),
-                                      "--backend", "cpu", "--layout", "sonicsurface", "--every-frame", "--hold", hold,
+                                      "--backend", "cpu", "--layout", on_off_board(), "--every-frame", "--hold", hold,
                                       "--link", "record:" + drives, "--quiet"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<std::uint64_t> slots;

@@ -35,6 +35,7 @@ class Emulation {
   }
   Environment environment() const { return {{"XDG_RUNTIME_DIR", folder_.string()}}; }
   const std::filesystem::path& folder() const { return folder_; }
+  pid_t id() const { return run_->id(); }
   /// Ends it and returns its report. It fails if its boards have heard different numbers of frames.
   nlohmann::json end(int exit_code = 0) {
     run_->signal(SIGTERM);

@@ -11,6 +11,7 @@
 
 #include "driver/openmpd/openmpd_files.hpp"
 #include "driver/openmpd/openmpd_rig.hpp"
+#include "support/boards.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
@@ -245,7 +246,7 @@ TEST(OpenMpdBoard, KeepsABoardThatGetsNothingFromCuttingTheNextFrame) {
 
 TEST(OpenMpdBoard, RefusesWhatCannotBePlayed) {
   const auto refuses = [](const std::string& argument, Exit code, const char* part, double slot_s = 1.5e-3,
-                          const char* layout = "openmpd") {
+                          const std::string& layout = "openmpd") {
     OpenMpdRig rig;
     rig.argument = argument;
     rig.slot_s = slot_s;
@@ -257,7 +258,7 @@ TEST(OpenMpdBoard, RefusesWhatCannotBePlayed) {
   refuses("A,,B", Exit::usage, "SERIAL");
   refuses("EMU1,EMU1", Exit::usage, "twice");
   refuses("EMU1,EMU2", Exit::usage, "has 1 OpenMPD boards, but 2 serial numbers");
-  refuses("EMU1", Exit::usage, "--layout openmpd", 1.5e-3, "sonicsurface");
+  refuses("EMU1", Exit::usage, "--layout openmpd", 1.5e-3, on_off_board());
   refuses("EMU1", Exit::usage, "0.05 ms", 40e-6);
   refuses("EMU1", Exit::usage, "8.5 MB/s", 60e-6);
   EXPECT_EQ(openmpd::divider_for(1.5e-3), 4);

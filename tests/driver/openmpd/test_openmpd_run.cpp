@@ -2,16 +2,24 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <random>
+#include <span>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
+#include "cli/support/live_run.hpp"
 #include "cli/support/process.hpp"
 #include "driver/openmpd/emulation.hpp"
 #include "driver/openmpd/openmpd_files.hpp"
+#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -113,28 +121,64 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   }
 }
 
-TEST(OpenMpdRun, ItsQueueNeverHoldsMoreThanASlotBesideLoad) {
-  // By the emulator's own clock, so that no speed of the machine makes a difference.
-  Emulation emulation("openmpd-queue", "EMU1");
-  const RunOptions options{.environment = emulation.environment()};
-  Result result;
-  {
-    std::vector<std::jthread> load;
-    for (unsigned i = 0; i < 2 * std::max(1U, std::thread::hardware_concurrency()); ++i) {
-      load.emplace_back([](const std::stop_token& stop) {
-        while (!stop.stop_requested()) {
-        }
-      });
-    }
-    // A guard that gets no processor at all ends its run. What the board may hold is the same in each.
-    for (int run = 0; run < 5 && (run == 0 || result.exit_code != 0); ++run)
-      result = palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "60"}), options);
+/// The guard of a run, once it has one.
+pid_t guard_of(LiveRun& run) {
+  const auto tasks = std::filesystem::path("/proc") / std::to_string(run.id()) / "task";
+  pid_t guard = -1;
+  begins([&] {
+    std::error_code none;
+    for (const auto& task : std::filesystem::directory_iterator(tasks, none))
+      std::ifstream(task.path() / "children") >> guard;
+    return guard > 0 || run.wait(0).ended;
+  });
+  return guard;
+}
+
+/// What a busy machine does to programs, without making others wait: each in turn gets no processor for up to `most`.
+void hold_up(std::span<const pid_t> programs, int times, std::chrono::milliseconds most) {
+  std::mt19937 random(1);
+  const auto rest = [&] {
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % std::chrono::microseconds(most).count()));
+  };
+  for (int i = 0; i < times; ++i) {
+    const pid_t program = programs[static_cast<std::size_t>(i) % programs.size()];
+    if (program <= 1 || kill(program, SIGSTOP) != 0) return;  // it has ended
+    rest();
+    kill(program, SIGCONT);
+    rest();
   }
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(OpenMpdRun, ItsQueueNeverHoldsMoreThanASlotWhereProgramsAreHeldUp) {
+  // By the emulator's own clock, so that no speed of the machine makes a difference.
+  const auto trace = scratch_folder("openmpd-queue-trace") / "wire.jsonl";
+  Emulation emulation("openmpd-queue", "EMU1", {"--trace", trace.string()});
+  const auto said = scratch_folder("openmpd-queue-said") / "stderr";
+  const Unread err = Unread::file(said);
+  LiveRun run(run_to("openmpd:EMU1", "openmpd"), {.err = &err, .environment = emulation.environment()});
+  // Drives are many frames, and silence is none: a frame has 1024 digits in the trace.
+  const auto sounds_on = [&] {
+    const std::uintmax_t enough = std::filesystem::file_size(trace) + 100 * 1024;
+    const auto heard = [&] { return std::filesystem::file_size(trace) >= enough; };
+    begins([&] { return heard() || run.wait(0).ended; });
+    return heard();
+  };
+  const bool sounded = sounds_on();
+  if (sounded) hold_up(std::array{guard_of(run), run.id(), emulation.id()}, 90, std::chrono::milliseconds(12));
+  const bool sounds = sounded && sounds_on();
+  run.signal(SIGTERM);
+  const LiveRun::End end = run.wait(60);
+  // What else the machine does may hold programs up for longer, which ends a run. Its board is judged all the same.
+  const std::string told = read_text(said);
+  const bool too_long = end.exit_code == 1 && (told.find("took no drive for 1 s") != std::string::npos ||
+                                               told.find("they take no bytes") != std::string::npos);
+  EXPECT_TRUE((sounds && end.in_order()) || too_long) << told;
   const json board = emulation.end()["boards"][0];
   EXPECT_EQ(board["violation_count"], 0) << board;
   EXPECT_LE(board["most_buffered_bytes"], 16 * 512) << "15 frames, and a silence";
-  EXPECT_GE(board["most_buffered_bytes"], 4 * 512) << "a drive is several frames";
+  if (sounded) {
+    EXPECT_GE(board["most_buffered_bytes"], 4 * 512) << "a drive is several frames";
+  }
   EXPECT_FALSE(board["sounds"].get<bool>());
 }
 
@@ -194,26 +238,28 @@ TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
 }
 
 TEST(OpenMpdRun, ASensationIsHeardToItsSilentEnd) {
-  const auto trace = scratch_folder("openmpd-sensation-trace") / "wire.jsonl";
-  Emulation emulation("openmpd-sensation", "EMU1", {"--trace", trace.string()});
-  const RunOptions options{.environment = emulation.environment()};
-  const Result result = palpa({"play", "circle", "--link", "openmpd:EMU1", "--duration", "500ms", "--dwell", "0.5ms",
-                               "--ceiling", "0.5", "--json", "-"},
-                              options);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const json report = emulation.end();
-  EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
-  EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
-  const Heard heard = heard_in(trace);
-  const json drives = json::parse(result.out)["drives"];
-  EXPECT_TRUE(heard.ends_silent());
-  EXPECT_GT(heard.sounding, 0u);
-  // A drive of five frames goes there in four of them, or in fewer if it comes late or begins.
-  const std::uint64_t sounded =
-      drives["sent"].get<std::uint64_t>() - drives["silent"].get<std::uint64_t>() - drives["lost"].get<std::uint64_t>();
-  EXPECT_LE(heard.sounding, 4 * sounded) << drives;
-  EXPECT_GE(heard.sounding, sounded) << drives;
-  EXPECT_GE(drives["sent"].get<std::uint64_t>() + drives["skipped_slots"].get<std::uint64_t>(), 1000u);
+  for (const bool steps : {true, false}) {
+    const auto trace = scratch_folder("openmpd-sensation-trace") / "wire.jsonl";
+    Emulation emulation("openmpd-sensation", "EMU1", {"--trace", trace.string()});
+    const RunOptions options{.environment = emulation.environment()};
+    const Result result = palpa({"play", "circle", "--link", "openmpd:EMU1", "--duration", "500ms", "--dwell", "0.5ms",
+                                 "--ceiling", "0.5", "--json", "-", "--steps", steps ? "on" : "off"},
+                                options);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const json report = emulation.end();
+    EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
+    EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
+    const Heard heard = heard_in(trace);
+    const json drives = json::parse(result.out)["drives"];
+    EXPECT_TRUE(heard.ends_silent());
+    EXPECT_GT(heard.sounding, 0u);
+    // A drive of five frames goes there in four of them, or in fewer if it comes late or begins; without steps in one.
+    const std::uint64_t sounded = drives["sent"].get<std::uint64_t>() - drives["silent"].get<std::uint64_t>() -
+                                  drives["lost"].get<std::uint64_t>();
+    EXPECT_LE(heard.sounding, (steps ? 4 : 1) * sounded) << drives;
+    EXPECT_GE(heard.sounding, sounded) << drives;
+    EXPECT_GE(drives["sent"].get<std::uint64_t>() + drives["skipped_slots"].get<std::uint64_t>(), 1000u);
+  }
 }
 
 TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "array/layouts/board_types.hpp"
 #include "sensing/find_target.hpp"
 #include "sensing/rig.hpp"
 #include "setup/tasks/rig_check.hpp"
@@ -32,9 +33,9 @@ setup::RigCheck check_of(const sensing::Rig& rig) {
 }
 
 TEST(RigCheck, OneCameraBesideABoardSeesTheTargetAndTheFrontOfAFingertip) {
-  for (const char* layout : {"openmpd", "sonicsurface", "autd3"}) {
-    SCOPED_TRACE(layout);
-    const setup::RigCheck check = check_of(own_rig(layout + std::string("-one")));
+  for (const array::BoardType& board : array::board_types()) {
+    SCOPED_TRACE(board.name);
+    const setup::RigCheck check = check_of(own_rig(std::string(board.name) + "-one"));
     ASSERT_EQ(check.cameras.size(), 1u);
     EXPECT_EQ(check.contacts, check.cameras[0].contacts) << "alone, it is all";
     EXPECT_EQ(check.cameras[0].target_fault, "");
@@ -63,9 +64,9 @@ TEST(RigCheck, TwoCamerasSeeNearlyAllAround) {
 TEST(RigCheck, TheRigsOfAllBoardsStandAlikeAndFarEnoughAway) {
   for (const char* cameras : {"-one", "-two"}) {
     const sensing::Rig usual = sensing::load_rig(own_rig(std::string("openmpd") + cameras));
-    for (const char* layout : {"sonicsurface", "autd3"}) {
-      const sensing::Rig rig = sensing::load_rig(own_rig(std::string(layout) + cameras));
-      EXPECT_EQ(rig.array->layout, layout);
+    for (const array::BoardType& board : array::board_types()) {
+      const sensing::Rig rig = sensing::load_rig(own_rig(std::string(board.name) + cameras));
+      EXPECT_EQ(rig.array->layout, board.name);
       ASSERT_EQ(rig.cameras.size(), usual.cameras.size());
       for (std::size_t i = 0; i < rig.cameras.size(); ++i)
         EXPECT_EQ(rig.cameras[i].T_world_camera, usual.cameras[i].T_world_camera);

@@ -380,6 +380,33 @@ TEST(RigidCopies, ShareOneSurfaceAndAnswerAsIfEachHadItsOwn) {
   EXPECT_NE(a.first_cell, b.first_cell);
 }
 
+TEST(RigidCopies, EachReachesAsFarAsItsOwnDelta) {
+  constexpr std::uint32_t count = 64, step = palpa::test::instrumented() ? 16 : 8;
+  std::vector<geometry::Solid> solids = copies_of(notched_cube(), count, true);
+  std::vector<geometry::Solid> alone = copies_of(notched_cube(), count, false);
+  for (std::uint32_t s = 0; s < count; ++s)
+    solids[s].haptics.delta_m = alone[s].haptics.delta_m = s / step % 2 == 0 ? 1e-3 : 5e-3;
+  std::vector<glm::vec3> points;
+  for (std::uint32_t s = 0; s < count; s += step) {
+    const auto near = points_near(solids[s].mesh, 3'000, s);
+    points.insert(points.end(), near.begin(), near.end());
+  }
+  PreparedSolids one_each = prepare_solids(alone);
+  Touch expected;
+  find_contacts(indexed(points), one_each, {}, {}, expected);
+  std::array<std::vector<int>, 2> found{std::vector<int>(count), std::vector<int>(count)};
+  float deepest = 0;
+  for (const Contact& contact : touch_on_both(points, solids).contacts) {
+    ++found[0][contact.solid];
+    deepest = std::max(deepest, contact.depth_m);
+  }
+  for (const Contact& contact : expected.contacts)
+    ++found[1][contact.solid];
+  EXPECT_GT(deepest, 2e-3f);
+  for (std::uint32_t s = 0; s < count; s += step)
+    EXPECT_NEAR(found[0][s], found[1][s], 0.01 * found[1][s] + 2) << "copy " << s;
+}
+
 TEST(ManySurfaces, HaveFewerCellsEach) {
   std::vector<geometry::Solid> solids;
   const geometry::Mesh mesh = notched_cube();

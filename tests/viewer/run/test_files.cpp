@@ -11,6 +11,7 @@
 #include "cli/support/every_command.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/tiny_files.hpp"
+#include "support/boards.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer_here.hpp"
@@ -85,6 +86,7 @@ TEST_F(ViewerFiles, WhatAPictureIsMadeOfIsNotWritten) {
   expect_refused(with(scene, {"--participant", "--screen", screen, "--screenshot", screen}), read_);
   for (const std::string& file : {depth, camera})
     expect_refused(with(scene, {"--depth", depth, "--camera", camera, "--screenshot", file}), read_);
+  expect_refused({"--sensation", path("script"), "--screenshot", link_to("script")}, read_);
   // A file that does not exist yet, compared with itself.
   expect_refused(with(scene, {"--reference", path("absent.png"), "--screenshot", link_to("absent.png")}), read_);
 }
@@ -100,12 +102,11 @@ TEST_F(ViewerFiles, WhatALiveRunReadsIsNotWritten) {
     expect_refused(with(live_, {"--link", "record:" + path(file)}), read_);
   // The guard, another process, reads these. Only the program knows links to boards.
   fs::create_directories(folder_ / "boards");
-  write_text(folder_ / "boards/sonicsurface.txt", "0\n");
+  const std::string file = "boards/" + test::serial_board_file();
+  write_text(folder_ / file, "0\n");
   for (const char* output : {"--screenshot", "--json", "--events"}) {
     first_ = true;
-    expect_refused(
-        with(live_, {"--link", "openmpd", "--board-files", path("boards"), output, path("boards/sonicsurface.txt")}),
-        read_);
+    expect_refused(with(live_, {"--link", "openmpd", "--board-files", path("boards"), output, path(file)}), read_);
   }
 }
 
@@ -182,8 +183,9 @@ TEST_F(ViewerFiles, NoFileIsWrittenTwice) {
 
 TEST_F(ViewerFiles, EveryOptionThatNamesAFileIsTried) {
   // A new option that names a file must be tried above.
-  const std::set<std::string> inputs{"--scene",  "--points", "--depth",  "--camera",    "--rig",      "--layout",
-                                     "--source", "--skin",   "--screen", "--reference", "--interact", "--board-files"},
+  const std::set<std::string> inputs{"--scene",    "--points",      "--depth",    "--camera", "--rig",
+                                     "--layout",   "--source",      "--skin",     "--screen", "--reference",
+                                     "--interact", "--board-files", "--sensation"},
       outputs{"--json", "--screenshot", "--video", "--events", "--link", "--record"};
   std::size_t found = 0;
   for (const test::HelpedOption& option : test::options_in(test::viewer({"--help", "all"}).out)) {
