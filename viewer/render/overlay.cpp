@@ -213,6 +213,7 @@ std::vector<Entry> legend_entries(Ink& ink, const Picture& picture, const Layers
     entries.push_back({{}, fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger"))});
   if (loose > 0 && layers.shows(Layer::contacts))
     entries.push_back({disc(3.4, theme.loose_contact), fmt::format("{} of no finger", counted(loose, "contact"))});
+  if (!picture.untouched.empty()) entries.push_back({{}, "nothing touches: " + picture.untouched});
   if (!picture.transducers.empty() && !picture.driven && layers.shows(Layer::transducers))
     entries.push_back({disc(4, theme.idle_transducer), counted(picture.transducers.size(), "transducer")});
   return entries;
