@@ -135,7 +135,7 @@ TEST(Scatter, AnArrayLiftsWhatIsAboveIt) {
 }
 
 TEST(Scatter, LoudDrivesAreBeyondLinearAcoustics) {
-  for (const std::string layout : {std::string("paper"), on_off_board()}) {
+  for (const std::string& layout : {std::string("paper"), on_off_board()}) {
     const std::string told = scatter(ply_of("loud", moved(icosphere(radius, 4), {0, 0, 0.055})),
                                      {"--layout", layout, "--drive", drive_to(layout, "0,0,50mm")})
                                  .told;

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "support/captured.hpp"
 #include "support/own_cache.hpp"
 #include "support/shapes.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {
@@ -72,9 +72,7 @@ Read read(const std::string& kind, SurfaceKind surface) {
 }
 
 TEST(KeptSolids, TheSecondTimeIsAsTheFirst) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "kept_solids";
-  std::filesystem::remove_all(folder);
-  const test::OwnCache cache(folder);
+  const test::OwnCache cache(test::scratch_folder("kept-solids"));
   bool warns = false;
   for (const SurfaceKind surface : {SurfaceKind::mesh, SurfaceKind::parts}) {
     for (const std::string kind : {"whole", "open pieces", "inside out", "with a hole", "two alike", "concave"}) {
@@ -95,7 +93,6 @@ TEST(KeptSolids, TheSecondTimeIsAsTheFirst) {
     }
   }
   EXPECT_TRUE(warns) << "none of the models is repaired";
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ BEGIN {
   interface["session/links/link.hpp"] = interface["session/links/sources.hpp"] = 1  # the names of both on the command
                                                                                     # line
   interface["session/links/slots.hpp"] = 1      # the slots that a plan plays, up to the boards
+  interface["session/links/real_time_service.hpp"] = 1  # a guard has no library for it
   interface["session/links/hand_over.hpp"] = 1  # a link's messages about what it was given
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor

@@ -10,7 +10,7 @@ PLACES = {
     "engine/base/files/output_file.cpp": "the one place that opens what is written; asks whether it may",
     "engine/base/files/input_file.cpp": "the one place that opens what is read; asks whether it may",
     "engine/base/files/cache_file.cpp": "the cache, palpa's own: never a user's file",
-    "engine/base/system/memory.cpp": "/proc", "engine/base/system/memory_limits.cpp": "/proc and /sys", "engine/base/system/start_thread.cpp": "/proc and /sys",
+    "engine/base/system/memory.cpp": "/proc", "engine/base/system/memory_limits.cpp": "/proc and /sys", "engine/base/system/real_time.cpp": "/proc", "engine/base/system/start_thread.cpp": "/proc and /sys",
     "engine/gpu/patience.cpp": "/proc", "engine/bench/bench.cpp": "/proc", "engine/bench/surface.cpp": "/proc",
     "engine/geometry/parts/convex_hull.cpp": "/dev/null",
     "engine/sensing/recording_writer.cpp": "makes its folder, and removes what it made and the recording that it replaces",

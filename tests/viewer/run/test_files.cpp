@@ -101,7 +101,7 @@ TEST_F(ViewerFiles, WhatALiveRunReadsIsNotWritten) {
     expect_refused(with(live_, {"--link", "record:" + path(file)}), read_);
   // The guard, another process, reads these. Only the program knows links to boards.
   fs::create_directories(folder_ / "boards");
-  const std::string file = "boards/" + serial_board_file();
+  const std::string file = "boards/" + test::serial_board_file();
   write_text(folder_ / file, "0\n");
   for (const char* output : {"--screenshot", "--json", "--events"}) {
     first_ = true;
