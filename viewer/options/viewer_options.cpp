@@ -160,8 +160,8 @@ void add_options_without_window(CLI::App& app, ViewerOptions& o) {
       "number of frames to draw, a slot each, before it exits [no end; with --headless 1, and of a live run the "
       "first with a touch]");
   how.flag("--at-touch", o.at_touch,
-           "with --frames, the first frame is one of a run in which a finger touches; waits for it up to 5 s [without "
-           "--frames and --interact, it waits]");
+           "the last frame waits up to 5 s for one of the run in which a finger touches [without --frames and "
+           "--interact, it waits]");
   how.text("--screenshot", o.screenshot, "FILE", "writes the last frame as PNG [no file]");
   how.text("--video", o.video, "FOLDER",
            "writes every picture, also those of a window, as PNG into a new folder: 000000.png and so on");

@@ -213,7 +213,6 @@ std::vector<Entry> legend_entries(Ink& ink, const Picture& picture, const Layers
     entries.push_back({{}, fmt::format("and {} more", counted(picture.fingers.size() - most_fingers, "finger"))});
   if (loose > 0 && layers.shows(Layer::contacts))
     entries.push_back({disc(3.4, theme.loose_contact), fmt::format("{} of no finger", counted(loose, "contact"))});
-  if (!picture.untouched.empty()) entries.push_back({{}, "nothing touches: " + picture.untouched});
   if (!picture.transducers.empty() && !picture.driven && layers.shows(Layer::transducers))
     entries.push_back({disc(4, theme.idle_transducer), counted(picture.transducers.size(), "transducer")});
   return entries;
@@ -253,7 +252,10 @@ Vec2 draw_legend(Ink& ink, const Picture& picture, const Layers& layers, double 
     ink.text(entry.words, {x + indent, y}, text_size, theme.ink);
     y += line_height;
   }
-  return high;
+  if (picture.untouched.empty()) return high;
+  // Without a backing: the line is long, and the finger is often behind it.
+  ink.label(cut_to("nothing touches: " + picture.untouched, letters, room), {x, y + ink.px(4)}, text_size, theme.ink);
+  return high + Vec2(0, line_height);
 }
 
 /// Phase as hue around a wheel, amplitude as brightness from its centre outwards. At the top right; below the legend if

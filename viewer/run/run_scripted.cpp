@@ -122,18 +122,19 @@ void complete(App& app, const Size& size, const std::function<double()>& now) {
   }
 }
 
-/// Draws a live run's frames as they come, until the end of the run if there are fewer than --frames.
+/// Draws a live run's frames as they come, until the end of the run if there are fewer than --frames. The last one
+/// waits for its sound, and with --at-touch or without --frames for a touch.
 void draw_frames(App& app, Easel& easel, const ViewerOptions& options, const std::function<double()>& now) {
   const std::uint32_t frames = options.frames.value_or(1);
   const bool waits = options.at_touch || !options.frames;
-  bool shown = waits && touching_frame(app, easel.size(), now);
-  if (waits && !shown) return;
   while (easel.drew().ms.count() < frames && !app.quitting()) {
-    if (!shown && !next_frame(app, easel.size(), now, std::numeric_limits<double>::infinity())) return;
-    if (easel.drew().ms.count() + 1 == frames) complete(app, easel.size(), now);
-    if (frames == 1) app.leave_room_for_close_up(easel.size());
+    const bool last = easel.drew().ms.count() + 1 == frames;
+    const bool shown = last && waits ? touching_frame(app, easel.size(), now)
+                                     : next_frame(app, easel.size(), now, std::numeric_limits<double>::infinity());
+    if (!shown) return;
+    if (last) complete(app, easel.size(), now);
+    if (last && options.video.empty()) app.leave_room_for_close_up(easel.size());
     easel.draw(app, now());
-    shown = false;
   }
 }
 

@@ -35,7 +35,7 @@ TEST_F(LiveApp, ASmallTouchHasACloseUpByItself) {
     }
     return (box.high.x - box.low.x) / view.area.extent.width;
   };
-  EXPECT_GT(span(close), 0.3) << "the foci are large in it";
+  EXPECT_GT(span(close), 0.2) << "the foci are large in it";
   EXPECT_LT(span(views()[0]), 0.1);
   app_->leave_room_for_close_up(size_);
   const auto seen = projection(views()[0].viewpoint, size_.width, size_.height);
