@@ -19,8 +19,9 @@ class NearestSeen {
   /// `solids` are at rest and must outlive this.
   explicit NearestSeen(std::span<const SurfaceMark> solids);
 
-  /// "the nearest skin is 31.0 mm away from the surface of cube", or that there is no skin. Of many points, looks at
-  /// every n-th. `poses` move the solids, by their index; those without a pose are at rest.
+  /// "the nearest skin is 31.0 mm away from the surface of cube", or that there is no skin. If there are more
+  /// than 4096 points, only every n-th counts. `poses` move the solids, by their index; those without a pose are at
+  /// rest.
   std::string tell(std::span<const sensing::SkinPoint> points, std::span<const Transform> poses) const;
 
  private:
