@@ -68,7 +68,7 @@ std::map<std::string, double> values_of(const py::dict& given) {
 std::map<std::string, double> known_values(const py::dict& given, const sensation::Pattern& pattern) {
   std::map<std::string, double> values = values_of(given);
   for (const auto& [name, value] : values)
-    setup::parameters_of(std::vector{fmt::format("{}={}", name, value)}, pattern);
+    setup::check_parameter(name, value, pattern);
   return values;
 }
 
@@ -129,16 +129,6 @@ std::shared_ptr<SensationObject> make(const py::object& what, const py::kwargs& 
   return o;
 }
 
-/// A pattern from a text, with what a player refuses.
-sensation::Pattern checked_pattern(const std::string& text) {
-  sensation::Pattern pattern = sensation::parse_pattern(text, "the pattern");
-  const double hz = sensation::fastest_hz(pattern, sensation::values_of(pattern, {}));
-  if (!(hz <= sensation::most_hz))
-    throw bad_input("the pattern", fmt::format("has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz",
-                                               hz, sensation::most_hz));
-  return pattern;
-}
-
 // ---- values ---------------------------------------------------------------------------------------------------------
 
 /// Parameters that differ from time to time.
@@ -150,8 +140,8 @@ std::map<std::string, std::vector<double>> courses_of(const py::object& paramete
   for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(parameters)) {
     if (!PyUnicode_Check(key.ptr())) throw bad_usage("parameters: give names as texts");
     const std::string name = bytes_of("parameters", key);
-    if (!pattern.parameter(name)) known_values(py::dict(py::arg(name.c_str()) = 0.0), pattern);
     std::vector<double> numbers = numbers_of(name, value);
+    if (!pattern.parameter(name)) setup::check_parameter(name, 0, pattern);
     if (numbers.size() == 1) numbers.resize(times, numbers[0]);
     if (numbers.size() != times)
       throw bad_usage(fmt::format("parameters: {} has {} values for {} times", name, numbers.size(), times));
@@ -224,10 +214,10 @@ session::OutputStats open_and_play(SensationObject& o, const setup::PlayOptions&
   const Outputs outputs(setup::outputs_of(options, links));
   const auto playing = setup::prepare_play(options, o.made->fastest_hz(), o.name, links);
   playing->setting.ends = ends;
-  std::uint64_t slots = 0;
-  if (setup::is_offline(options)) slots = setup::offline_points(options, *o.made, playing->setting, o.name).size();
+  std::vector<sensation::Point> points;
+  if (setup::is_offline(options)) points = setup::offline_points(*o.made, playing->setting, o.name);
   const std::vector<session::SourceKind> sources = driver::camera_sources();
-  return setup::play(options, *o.made, o.transport, *playing, slots, sources, links, o.stop);
+  return setup::play(options, *o.made, o.transport, *playing, points, sources, links, o.stop);
 }
 
 py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused, const py::kwargs& kwargs) {
@@ -262,7 +252,7 @@ py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused,
 
 py::list newest(const SensationObject& o, std::size_t most) {
   py::list points;
-  for (const session::SoundedPoint& point : o.transport.newest(most)) {
+  for (const sensation::Point& point : o.transport.newest(most)) {
     py::dict made;
     made["place"] = py::make_tuple(point.place_m.x, point.place_m.y, point.place_m.z);
     made["gain"] = point.gain;
@@ -354,7 +344,9 @@ void add_sensation(py::module_& m) {
       .def(
           "set_pattern",
           [](SensationObject& o, const std::string& text) {
-            o.needed_pattern("set_pattern").set_pattern(unlocked([&] { return checked_pattern(text); }));
+            o.needed_pattern("set_pattern").set_pattern(unlocked([&] {
+              return sensation::parse_pattern(text, "the pattern");
+            }));
           },
           py::arg("text"),
           "Go on with another pattern, at the same time, also while it plays. `text` is what its file has.")

@@ -9,6 +9,7 @@
 #include "base/files/json_writer.hpp"
 #include "base/files/output_file.hpp"
 #include "base/files/outputs.hpp"
+#include "base/system/real_time.hpp"
 #include "base/text.hpp"
 #include "driver/autd3/emulated/command.hpp"
 #include "driver/openmpd/emulated/command.hpp"
@@ -59,6 +60,7 @@ void run(const Options& o) {
   for (const Kind& kind : kinds()) {
     if (kind.name != o.board) continue;
     check(o, kind);
+    const RealTime turns(emulated_priority);
     const Outputs outputs({{"--trace", o.trace}, {"--json", o.common.json}});
     return kind.run(o, outputs);
   }

@@ -76,9 +76,10 @@ void run_play(const Extensions& extensions, const PlayOptions& o) {
   const std::map<std::string, double> given = setup::parameters_of(o.parameters, pattern);
   sensation::PatternSensation sensation(std::move(pattern), given, o.speed);
   const auto playing = setup::prepare_play(o, sensation.fastest_hz(), o.names[0], links);
+  std::vector<sensation::Point> points;
   PlayResult result{.name = o.names[0], .slot_s = playing->setting.output.slot_s, .sensation = &sensation};
   if (setup::is_offline(o) || !o.csv.empty() || !o.png.empty()) {
-    const auto points = setup::offline_points(o, sensation, playing->setting, o.names[0]);
+    points = setup::offline_points(sensation, playing->setting, o.names[0]);
     result.slots = points.size();
     if (!o.csv.empty()) write_file(o.csv, setup::sensation_csv(points, playing->setting));
     if (!o.png.empty() && !points.empty())
@@ -91,8 +92,8 @@ void run_play(const Extensions& extensions, const PlayOptions& o) {
         fmt::format("ended without finishing, one second after the signal: --link {} did not answer", o.link));
     log::release_warnings();
     session::Transport transport;
-    result.played = setup::play(o, sensation, transport, *playing, result.slots.value_or(0), extensions.sources, links,
-                                setup::Interrupt::flag());
+    result.played =
+        setup::play(o, sensation, transport, *playing, points, extensions.sources, links, setup::Interrupt::flag());
     interrupt.reset();
     relay.reset();
   }

@@ -39,10 +39,9 @@ Point sounding(const Vec3& place_m, double gain, double time_s, bool& warned, co
 
 PatternSensation::PatternSensation(Pattern pattern, const std::map<std::string, double>& given, double speed)
     : speed_(speed) {
-  now_.pattern = std::make_shared<const Pattern>(std::move(pattern));
-  now_.given = given;
-  now_.values = values_of(*now_.pattern, given);
-  next_ = now_;
+  next_.pattern = std::make_shared<const Pattern>(std::move(pattern));
+  set_parameters(given);
+  take_changes();
 }
 
 Evaluation PatternSensation::step_at(double time_ms, const Values& values, State& state) const {
@@ -100,34 +99,30 @@ double PatternSensation::fastest_hz() const {
   return sensation::fastest_hz(*now_.pattern, now_.values);
 }
 
-void PatternSensation::set_parameters(std::map<std::string, double> given) {
+template <typename Change>
+void PatternSensation::change(Change change) {
   const std::lock_guard lock(mutex_);
-  next_.values = values_of(*next_.pattern, given);
-  next_.given = std::move(given);
+  Content next = next_;
+  change(next);
+  next.values = values_of(*next.pattern, next.given);
+  next_ = std::move(next);
   changed_ = true;
+}
+
+void PatternSensation::set_parameters(std::map<std::string, double> given) {
+  change([&](Content& next) { next.given = std::move(given); });
 }
 
 void PatternSensation::set_parameter(const std::string& name, double value) {
-  const std::lock_guard lock(mutex_);
-  std::map<std::string, double> given = next_.given;
-  given[name] = value;
-  next_.values = values_of(*next_.pattern, given);
-  next_.given = std::move(given);
-  changed_ = true;
+  change([&](Content& next) { next.given[name] = value; });
 }
 
 void PatternSensation::set_pattern(Pattern pattern) {
-  const std::lock_guard lock(mutex_);
-  Values values = values_of(pattern, next_.given);
-  next_.pattern = std::make_shared<const Pattern>(std::move(pattern));
-  next_.values = std::move(values);
-  changed_ = true;
+  change([&](Content& next) { next.pattern = std::make_shared<const Pattern>(std::move(pattern)); });
 }
 
 void PatternSensation::set_matrix(const Transform& matrix) {
-  const std::lock_guard lock(mutex_);
-  next_.matrix = matrix;
-  changed_ = true;
+  change([&](Content& next) { next.matrix = matrix; });
 }
 
 void FunctionSensation::points(std::span<const double> times_s, State&, std::vector<Point>& out) {

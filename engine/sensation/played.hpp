@@ -97,6 +97,8 @@ class PatternSensation final : public Sensation {
     Values values;
     std::optional<Transform> matrix;
   };
+  template <typename Change>
+  void change(Change change);
   Point point_of(const Evaluation& at, double time_s);
   Evaluation step_at(double time_ms, const Values& values, State& state) const;
 

@@ -30,13 +30,15 @@ MOST_BYTES = 4 << 20            # of a message; a large pattern has 0.2 MB
 PING_S, PATIENCE_S = 5, 5       # a client that answers no ping for so long has frozen
 UPDATE_S, UPDATE_POINTS = 0.018, 32
 MOST_WAITING_BYTES = 1 << 20    # of updates that a client has not read
-EMPTY = json.dumps({
-    "$DATA_FORMAT": "MidAirHapticsAnimationFileFormat", "$REVISION": "0.1.0-alpha.3", "name": "empty", "keyframes": [],
+ZERO, ONE, STEP = {"type": "f64", "value": 0}, {"type": "f64", "value": 1}, {"name": "step", "params": {}}
+# Before a pattern comes: silence, with a brush of 100 Hz, as most patterns have. Slots are made for it.
+SILENCE = json.dumps({
+    "$DATA_FORMAT": "MidAirHapticsAnimationFileFormat", "$REVISION": "0.1.0-alpha.3", "name": "silence",
+    "keyframes": [{"type": "pause", "time": 0, "cjumps": [], "brush": {
+        "brush": {"name": "circle", "params": {"radius": ZERO, "am_freq": ZERO}}, "transition": STEP}}],
     "pattern_transform": {
-        "geometric_transforms": {
-            "translate": {axis: {"type": "f64", "value": 0} for axis in "xyz"}, "rotation": {"type": "f64", "value": 0},
-            "scale": {axis: {"type": "f64", "value": 1} for axis in "xyz"}},
-        "intensity_factor": {"type": "f64", "value": 1}, "playback_speed": {"type": "f64", "value": 1}},
+        "geometric_transforms": {"translate": dict.fromkeys("xyz", ZERO), "rotation": ZERO, "scale": dict.fromkeys("xyz", ONE)},
+        "intensity_factor": ONE, "playback_speed": ONE},
     "user_parameter_definitions": {}})
 
 
@@ -64,7 +66,7 @@ class Player:
 
     def __init__(self, options):
         self.sensation = palpa.Sensation("point")
-        self.sensation.set_pattern(EMPTY)
+        self.sensation.set_pattern(SILENCE)
         self.sensation.pause()
         self.parameters = {}
         self.fault = None
@@ -108,8 +110,6 @@ class Player:
             self.sensation.pause()
             return
         offset_s = 1e-3 * finite(data["playstart_offset"], "playstart_offset")
-        if abs(offset_s) > 1e6:
-            raise ValueError("playstart_offset is more than eleven days")
         self.sensation.start(time=max(0.0, -offset_s), delay=max(0.0, offset_s))
 
     def do_update_parameters(self, data):
@@ -254,14 +254,17 @@ def main():
     parser.add_argument("--port", type=int, default=PORT, help="port on 127.0.0.1 [8037, as the Designer has it]")
     parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN",
                         help="a further page that may connect, such as http://example.org; null is any sandboxed page")
-    for name in ("link", "layout", "rig", "board-files", "ceiling", "ramp", "hold", "dwell", "at", "on", "source", "osc"):
+    for name in ("link", "layout", "rig", "board-files", "steps", "ceiling", "ramp", "hold", "dwell", "at", "on", "source", "scene", "osc"):
         parser.add_argument("--" + name, help="as of palpa play")
     parser.add_argument("--upright", action="store_true", help="as of palpa play")
     arguments = parser.parse_args()
     options = {name: value for name, value in vars(arguments).items()
                if name not in ("port", "allow_origin") and value not in (None, False)}
     player = Player(options)
-    asyncio.run(run(player, arguments))
+    try:
+        asyncio.run(run(player, arguments))
+    except (OSError, OverflowError) as fault:
+        sys.exit(f"{sys.argv[0]}: --port {arguments.port}: {fault}")
     if player.fault:
         sys.exit(f"{sys.argv[0]}: {player.fault}")
 

@@ -1,5 +1,6 @@
 """The example that Adaptics' Designer drives: spoken to as the Designer does, and as others may."""
 import base64
+import contextlib
 import json
 import os
 import re
@@ -10,9 +11,10 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 
-from commands import ROOT
+from commands import PALPA, ROOT, begins
 
 websockets = pytest.importorskip("websockets")
 sys.path.insert(0, str(ROOT / "examples/adaptics"))
@@ -101,25 +103,29 @@ class Client:
         raise AssertionError("no such update")
 
 
-@pytest.fixture
-def served(request):
-    """Its port, its process, and a socket that gets its foci. With a parameter, clients that freeze are dropped that soon."""
-    patience_s = getattr(request, "param", adaptics.PATIENCE_S)
+@contextlib.contextmanager
+def serve(*options, patience_s=adaptics.PATIENCE_S, **more):
+    """Its port and its process. Clients that freeze are dropped that soon."""
     code = (f"import sys; sys.path.insert(0, {str(ROOT / 'examples/adaptics')!r}); import server; "
             f"server.PING_S = server.PATIENCE_S = {patience_s}; server.main()")
-    arguments = [sys.executable, "-c", code, "--port", "0", "--layout", "openmpd", "--link", "foci:udp:127.0.0.1:%d"]
-    heard = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    heard.bind(("127.0.0.1", 0))
-    heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
-    arguments[-1] %= heard.getsockname()[1]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        port = int(re.search(r":(\d+)/", process.stdout.readline())[1])
+    with subprocess.Popen([sys.executable, "-c", code, "--port", "0", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          **more) as process:
         try:
-            yield port, process, heard
+            yield int(re.search(r":(\d+)/", process.stdout.readline())[1]), process
         finally:
             process.send_signal(signal.SIGTERM)
             process.wait(60)
-            heard.close()
+
+
+@pytest.fixture
+def served(request):
+    """Its port, its process, and a socket that gets its foci. With a parameter, clients that freeze are dropped that soon."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as heard:
+        heard.bind(("127.0.0.1", 0))
+        heard.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        with serve("--layout", "openmpd", "--link", f"foci:udp:127.0.0.1:{heard.getsockname()[1]}",
+                   patience_s=getattr(request, "param", adaptics.PATIENCE_S)) as (port, process):
+            yield port, process, heard
 
 
 def sounds(heard):
@@ -154,6 +160,7 @@ def test_it_plays_what_the_designer_draws(served):
     evals = designer.evals_until(lambda evals: len(evals) >= 8)
     assert len(evals) <= 64 and radius_mm(evals) == 10 and abs(evals[0]["ul_control_point"]["coords"]["z"] - 200) < 1e-9
     assert set(evals[0]) == {"ul_control_point", "pattern_time", "stop", "next_eval_params"} and evals[0]["stop"] is False
+    assert abs(evals[1]["pattern_time"] - evals[0]["pattern_time"] - 0.625) < 1e-9  # 16 places in a turn of 100 Hz
     wait_for_sound(heard, True)
     designer.parameters(radius=25)
     designer.evals_until(lambda evals: radius_mm(evals) == 25)
@@ -179,6 +186,77 @@ def test_it_plays_what_the_designer_draws(served):
     again.socket.close()
     wait_for_sound(heard, False)
     assert process.poll() is None
+
+
+# Column and row of each transducer, in units of its pitch from the middle, and the place of its byte in a frame.
+COLUMN, ROW = np.arange(256) // 16, np.arange(256) % 16
+PIN = 64 * (3 - COLUMN // 4) + 8 * (7 - ROW // 2) + np.array([[1, 5], [0, 4], [3, 6], [2, 7]])[COLUMN % 4, ROW % 2]
+AT_MM = 10.5 * np.stack([COLUMN - 7.5, 7.5 - ROW], axis=1)
+RADII_MM = np.arange(5, 31, 5)
+
+
+def radii_on_the_wire(trace):
+    """For each frame in which the board sounds, how far from its axis the sound converges 200 mm above it; 0 for silence."""
+    data = b"".join(bytes.fromhex(entry["hex"]) for entry in map(json.loads, trace.read_text().splitlines()[:-1]) if entry["kind"] == "bulk")
+    frames = np.frombuffer(data[:len(data) // 512 * 512], np.uint8).reshape(-1, 512)
+    widths = (frames[:, 256:] & 0x7F)[:, PIN]
+    turns = (((frames[:, :256] & 0x7F)[:, PIN] - (64 - widths.astype(float)) / 2) / 128)[:, None, :]
+    angles = np.arange(0, 2 * np.pi, 0.05)
+    radii = np.zeros(len(frames))
+    sounding = np.flatnonzero(widths.any(axis=1))
+    best = np.zeros(len(sounding))
+    for radius in RADII_MM:
+        places = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        away_mm = np.sqrt(((AT_MM[None] - places[:, None]) ** 2).sum(axis=2) + 200.0 ** 2)
+        wave = np.exp(2j * np.pi * away_mm / 8.58)
+        sent = np.exp(2j * np.pi * turns[sounding, 0])
+        together = np.abs(sent @ wave.T).max(axis=1) / 256
+        radii[sounding] = np.where(together > best, radius, radii[sounding])
+        best = np.maximum(best, together)
+    assert (best > 0.95).all()
+    return radii
+
+
+def test_the_wire_of_a_board_has_what_the_designer_does(tmp_path):
+    trace, where = tmp_path / "wire.jsonl", {"env": os.environ | {"XDG_RUNTIME_DIR": str(tmp_path)}}
+    emulator = subprocess.Popen([PALPA, "emulate", "openmpd", "--serial", "EMU1", "--trace", str(trace), "--json", str(tmp_path / "heard.json")],
+                                **where)
+    try:
+        begins(lambda: (tmp_path / "palpa" / "usb-1.sock").exists())
+        with serve("--link", "openmpd:EMU1", "--steps", "off", "--ceiling", "0.5", **where) as (port, process):
+            ends = lambda silent: begins(lambda: len(radii := radii_on_the_wire(trace)) and (radii[-1] == 0) == silent)  # noqa: E731
+            designer = Client(port, origin=adaptics.DESIGNER)
+            designer.connect_as_the_designer()
+            designer.play()
+            designer.evals_until(lambda evals: evals[-1]["pattern_time"] > 300)
+            designer.parameters(radius=25)
+            designer.evals_until(lambda evals: radius_mm(evals) == 25)
+            designer.send("update_pattern", pattern_json=PATTERN.replace('"param", "value": "radius"', '"f64", "value": 15'))
+            designer.evals_until(lambda evals: radius_mm(evals) == 15)
+            designer.send("update_playstart", playstart=0, playstart_offset=-1.7e12)
+            ends(True)
+            designer.parameters(5000)
+            designer.play(-5000.0)
+            designer.evals_until(lambda evals: evals[-1]["pattern_time"] > 5000)
+            ends(False)
+            designer.socket.close()
+            ends(True)
+            assert process.poll() is None
+    finally:
+        emulator.send_signal(signal.SIGTERM)
+        assert emulator.wait(60) == 0
+    radii = radii_on_the_wire(trace)
+    heard = [int(radius) for radius, before in zip(radii[1:], radii) if radius != before]
+    # A machine that holds the loop up makes it fall silent in between, and continue.
+    sounds = [radius for i, radius in enumerate(radius for radius in heard if radius) if i == 0 or radius != [r for r in heard if r][i - 1]]
+    assert sounds == [10, 25, 15] and heard[-1] == 0
+    assert json.loads((tmp_path / "heard.json").read_text())["boards"][0]["violation_count"] == 0
+
+
+def test_a_port_that_is_taken_is_told_in_a_line(served):
+    done = subprocess.run([sys.executable, ROOT / "examples/adaptics/server.py", "--port", str(served[0])], capture_output=True, text=True,
+                          timeout=120, check=False)
+    assert done.returncode == 1 and f"--port {served[0]}: " in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 def test_a_stop_is_told(served):

@@ -12,8 +12,10 @@
 
 #include "base/error.hpp"
 #include "fakes.hpp"
+#include "sensation/pattern_text.hpp"
 #include "stepped_clock.hpp"
 #include "support/captured.hpp"
+#include "support/occurrences.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {
@@ -150,6 +152,15 @@ TEST(SensationRun, PausesStartsAgainAndStartsElsewhere) {
   EXPECT_EQ(playing.link.heard.back().second, 0);
 }
 
+TEST(SensationRun, StartsAtNoTimeWithoutEnd) {
+  Transport transport;
+  for (const double time_s : {std::nan(""), HUGE_VAL, -1.1e6, 1e18}) {
+    EXPECT_ERROR(transport.play(time_s), Exit::usage, "starts at a time of at most 1e+06 s");
+    EXPECT_ERROR(transport.play(0, time_s), Exit::usage, "starts at a time");
+  }
+  EXPECT_EQ(transport.now().number, 0U);
+}
+
 TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   Playing playing;
   playing.setting.anchor = &playing.anchor;
@@ -212,6 +223,33 @@ TEST(SensationRun, FallsSilentIfNoPlanComesAndGoesOnWithItsTime) {
   }
   EXPECT_GE(longest, 190U);
   EXPECT_LE(longest, 230U);
+}
+
+TEST(SensationRun, IsSilentWhileItIsFasterThanArraysPlay) {
+  Playing playing;
+  const std::string brush = test::brush(
+      "circle", fmt::format(R"("radius":{},"am_freq":{},"stm_freq":{})", test::f64(5), test::f64(0), test::param("f")));
+  const test::PatternText text{
+      .keyframes = test::key("standard", 0, test::coords(0, 0, 0) + test::intensity(test::f64(1)) + brush),
+      .definitions = R"("f":{"default":100,"step":1})"};
+  sensation::PatternSensation circle(sensation::parse_pattern(text.text(), "p"));
+  playing.link.before = [&](std::uint64_t slot) {
+    if (slot == 50 || slot == 150) circle.set_parameter("f", slot == 50 ? 500.5 : 600);
+    if (slot == 100 || slot == 180) circle.set_parameter("f", 500);
+    if (slot == 230) playing.stop = true;
+  };
+  const std::string told = test::stderr_of([&] { playing.run(circle); });
+  EXPECT_EQ(test::occurrences(told, "the sensation now has a brush or a modulation of 500.5 Hz"), 1U) << told;
+  EXPECT_EQ(test::occurrences(told, "warning"), 1U) << told;
+  const auto all = [&](std::uint64_t from, std::uint64_t to, bool sound) {
+    for (std::uint64_t slot = from; slot < to; ++slot)
+      EXPECT_EQ(playing.link.heard.at(slot).second > 0, sound) << slot;
+  };
+  all(30, 50, true);
+  all(75, 100, false);
+  all(125, 150, true);
+  all(175, 180, false);
+  all(205, 230, true);
 }
 
 TEST(SensationRun, AnErrorIsToldAfterSilence) {

@@ -92,11 +92,6 @@ class Emulator:
         self.process = subprocess.Popen([self.palpa, "emulate", "openmpd", "--quiet", *trace], env=self.environment,
                                         stdout=subprocess.PIPE, text=True)
         self.process.stdout.readline()
-        for thread in Path(f"/proc/{self.process.pid}/task").iterdir():
-            try:  # a real board does not wait for a processor
-                os.sched_setscheduler(int(thread.name), os.SCHED_RR, os.sched_param(20))
-            except OSError:
-                pass
 
     def stop(self):
         self.process.terminate()

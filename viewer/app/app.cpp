@@ -61,6 +61,8 @@ App::App(const ViewerOptions& options, const Size& size, AppHost host)
   }
   content_.begin();
   if (!data_.content.live) data_.state.time.playing = content_.picture().changes();
+  if (const ShownTouch* const touch = content_.touch(); touch && touch->slot_s())
+    data_.state.time.slots_per_s = 1 / *touch->slot_s();  // as fast as it plays; remembered for touches alone
   if (options.participant) open_participant();
   ratio_ = options.pixel_ratio.value_or(host_.ratio);
   data_.state.viewpoint = first_viewpoint(options, picture(), data_.state, free_size(size));
@@ -104,7 +106,8 @@ Preferences App::settings() const {
           .panels = data_.panels,
           .fine = data_.state.fine,
           .skin_colour = data_.state.skin_colour,
-          .slots_per_s = data_.state.time.slots_per_s,
+          .slots_per_s =
+              content_.options().sensation.empty() ? data_.state.time.slots_per_s : memory_.recalled().slots_per_s,
           .headings = data_.headings,
           .window = window_,
           .recent = data_.content.recent};

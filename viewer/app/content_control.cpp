@@ -99,6 +99,7 @@ std::string ContentControl::title() const {
   const std::string name = fs::path(content_->edit.options().scene).filename().string();
   if (content_->live) return fmt::format("{}, live ({})", name, content_->edit.options().source);
   if (content_->empty) return "";
+  if (!options_.sensation.empty() && name.empty()) return options_.sensation;
   if (name.empty()) return options_.layout.empty() ? options_.input.rig : options_.layout;
   return name + (picture().fingers.empty() ? "" : ", one touch");
 }

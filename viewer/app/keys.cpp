@@ -56,7 +56,7 @@ bool ask_by_key(const WindowEvent& event, PanelData& data) {
       break;
     case '+':
     case '=':
-      slots_per_s = std::min(slots_per_s * 2, 667.0);
+      slots_per_s = std::max(slots_per_s, std::min(slots_per_s * 2, 667.0));
       break;
     default:
       return false;

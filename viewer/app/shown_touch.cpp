@@ -141,6 +141,11 @@ void ShownTouch::load_skin_surface(const ViewerOptions& options) {
 }
 
 void ShownTouch::load_array(const ViewerOptions& options) {
+  if (!options.sensation.empty()) {
+    setup::PlacedLayout placed = setup::load_placed_layout({.layout = options.layout});
+    sensation_.emplace(options.sensation, options.parameters, 1 / placed.layout.frequency_hz, placed.T_world_layout);
+    return take_array(placed.layout, placed.T_world_layout);
+  }
   std::string name = options.layout;
   std::optional<Transform> pose;
   if (name.empty() && !options.input.rig.empty()) {
@@ -152,8 +157,11 @@ void ShownTouch::load_array(const ViewerOptions& options) {
   }
   if (name.empty()) return;
   const array::Layout layout = array::load_layout(name);
-  layout_ =
-      std::make_shared<const array::Layout>(array::transformed(layout, pose.value_or(layout.default_T_world_layout)));
+  take_array(layout, pose.value_or(layout.default_T_world_layout));
+}
+
+void ShownTouch::take_array(const array::Layout& layout, const Transform& T_world_layout) {
+  layout_ = std::make_shared<const array::Layout>(array::transformed(layout, T_world_layout));
   setup::warn_of_frequency(*layout_, drive_options_.medium);
   show_array(picture_, *layout_);
 }
@@ -176,10 +184,13 @@ Sounding ShownTouch::sounding() const {
 }
 
 void ShownTouch::go_to(std::uint64_t slot) {
-  if (schedule_.voice_count == 0) return;
-  show_slot(picture_, schedule_, slot);
-  if (picture_.transducers.empty()) return;
-  array::foci_of_slot(schedule_, slot, foci_);
+  if (sensation_) {
+    foci_ = {sensation_->show(picture_, slot)};
+  } else if (schedule_.voice_count > 0) {
+    show_slot(picture_, schedule_, slot);
+    array::foci_of_slot(schedule_, slot, foci_);
+  }
+  if ((schedule_.voice_count == 0 && !sensation_) || picture_.transducers.empty()) return;
   drive_.resize(layout_->transducers.size());
   array::drive_for(*layout_, foci_, drive_options_, drive_, drive_scratch_);
   show_drive(picture_, drive_);

@@ -1,4 +1,5 @@
-// A single touch, from the command line to a picture, slot by slot: loads what is shown and lets the engine touch it.
+// A single touch, or a sensation, from the command line to a picture, slot by slot: loads what is shown and lets the
+// engine touch it.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
 #include "session/session.hpp"
+#include "viewer/app/shown_sensation.hpp"
 #include "viewer/options/viewer_options.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/sound/field_slice.hpp"
@@ -23,13 +25,15 @@ class ShownTouch {
 
   const Picture& picture() const { return picture_; }
   Picture& picture() { return picture_; }
-  /// Shows the running foci and the drive of that slot.
+  /// Shows the running foci, or the sensation's focus, and the drive of that slot.
   void go_to(std::uint64_t slot);
   /// Puts the field of that drive into the picture. Without a drive, does nothing.
   void show_field(FieldSlice& field, const SliceState& slice);
 
   /// The layout of --layout or of the rig, in the world.
   const array::Layout& layout() const { return *layout_; }
+  /// The length of the sensation's slots, if there is a sensation.
+  std::optional<double> slot_s() const { return sensation_ ? std::optional(sensation_->slot_s()) : std::nullopt; }
   /// What sounds in the slot of go_to(), and what is felt of all slots. Valid as long as this object lives and no other
   /// slot is shown. It has a plan if there are --skin and an array.
   Sounding sounding() const;
@@ -40,9 +44,11 @@ class ShownTouch {
   void load_skin_surface(const ViewerOptions& options);
   void warn_of_other_skin(const ViewerOptions& options, const geometry::Mesh& skin) const;
   void load_array(const ViewerOptions& options);
+  void take_array(const array::Layout& layout, const Transform& T_world_layout);
 
   Picture picture_;
   array::Schedule schedule_;
+  std::optional<ShownSensation> sensation_;
   std::shared_ptr<const array::Layout> layout_;  ///< in the world; without transducers if there is no array
   std::optional<session::Plan> plan_;
   acoustics::Air air_;

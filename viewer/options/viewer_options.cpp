@@ -1,6 +1,6 @@
 #include "viewer/options/viewer_options.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -15,6 +15,7 @@
 #include "base/units.hpp"
 #include "line/together.hpp"
 #include "line/values.hpp"
+#include "setup/sessions/play.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
 #include "viewer/picture/colour_bars.hpp"
@@ -78,6 +79,14 @@ std::string names_of_layers(bool visible) {
     if (Layers()[entry.value].visible == visible) names += std::string(names.empty() ? "" : ", ") + entry.word;
   }
   return names;
+}
+
+void add_sensation_options(CLI::App& app, ViewerOptions& o) {
+  const line::Group sensation(app, "A sensation, as palpa play");
+  sensation.text("--sensation", o.sensation, "FILE|NAME",
+                 fmt::format("plays a pattern of Adaptics, or {}, with the array and the focus [none]",
+                             fmt::join(setup::sensation_names(), ", ")));
+  setup::add_parameters(sensation, o.parameters);
 }
 
 void add_live_options(CLI::App& app, ViewerOptions& o) {
@@ -175,6 +184,8 @@ void add_options_without_window(CLI::App& app, ViewerOptions& o) {
 
 /// Which of them go together.
 void relate_options(CLI::App& app) {
+  line::need(app, {"--param"}, "--sensation");
+  line::exclude(app, "--sensation", {"--scene", "--points", "--depth", "--rig", "--source", "--skin"});
   line::need(app, {"--target"}, "--eye");
   line::need(app, {"--panels", "--screenshot", "--reference", "--at-touch"}, "--headless");
   line::need(app, {"--at-touch"}, "--source");
@@ -199,6 +210,7 @@ void add_options(CLI::App& app, ViewerOptions& o) {
   array.integer("--slot", o.slot, 0, std::uint64_t{1} << 40,
                 "first slot to show, with its focus highlighted and its drive in colours");
   setup::add_drive_options(app, o.drive);
+  add_sensation_options(app, o);
   add_live_options(app, o);
   add_picture_options(app, o);
   add_view_options(app, o);
@@ -278,7 +290,7 @@ void refuse_idle_in_picture(const ViewerOptions& o) {
     refuse_headings(o, {"Solids"}, "goes with --scene");
     refuse_given(o, {"--gltf-scene"}, "goes with --scene");
   }
-  if (o.layout.empty() && o.input.rig.empty())
+  if (o.layout.empty() && o.input.rig.empty() && o.sensation.empty())
     refuse_headings(o, {"Drives", "Air and tone"}, "goes with --layout or --rig: it sets how an array is driven");
 }
 
@@ -298,7 +310,7 @@ void refuse_idle(const ViewerOptions& o) {
 void check_shown(const ViewerOptions& o) {
   const bool panels = o.headless ? o.panels && !o.interact.empty() : !o.no_panels;
   const bool may_be_empty = panels && !o.is_live() && !has_skin(o);  // then a file is opened in the window
-  if (o.input.scene.empty() && o.layout.empty() && !may_be_empty) {
+  if (o.input.scene.empty() && o.layout.empty() && o.sensation.empty() && !may_be_empty) {
     throw bad_usage("nothing to show: give --scene FILE, such as assets/cube.glb, or --layout NAME");
   }
   if (o.is_live()) {
@@ -329,6 +341,7 @@ void check_sound_layers(const ViewerOptions& o) {
                      : asks("--slice")         ? "--slice"
                      : asks("--slice-at")      ? "--slice-at"
                                                : "--show slice";
+  if (!o.sensation.empty() && !layers.shows(Layer::heat)) return;
   if (!has_skin(o) || o.input.scene.empty())
     throw bad_usage(fmt::format("{} goes with --points or --depth: it needs a touch", what));
   if (o.layout.empty() && o.input.rig.empty())

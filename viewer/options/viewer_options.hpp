@@ -37,7 +37,9 @@ struct ViewerOptions : setup::EyesOptions {
   line::Given given;        ///< the whole command line
   /// Whether frames come from a source.
   bool is_live() const { return given.contains("--source"); }
-  std::string layout;  ///< built-in name or file; empty: the rig's array if there is a rig, else none
+  std::string sensation;                ///< a file, or one of palpa's own; empty: none
+  std::vector<std::string> parameters;  ///< of it, "NAME=VALUE"
+  std::string layout;                   ///< built-in name or file; empty: the rig's array if there is a rig, else none
 
   std::string skin;  ///< mesh of the finger or hand, as PLY
   std::string title;

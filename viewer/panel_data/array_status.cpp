@@ -5,7 +5,7 @@ namespace {
 
 std::string why_off(const Content& content) {
   if (content.empty) return "nothing is open";
-  if (!content.live) return "one touch, nothing is sent";
+  if (!content.live) return content.edit.options().scene.empty() ? "nothing is sent" : "one touch, nothing is sent";
   switch (content.run.state) {
     case LiveState::loading:
       return "the run is loading";

@@ -37,7 +37,8 @@ std::string feel_of(const geometry::Haptics& haptics) {
 }
 
 bool Picture::changes() const {
-  return std::ranges::any_of(fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1; });
+  return std::ranges::any_of(
+      fingers, [](const FingerMarks& finger) { return finger.foci.size() > 1 || !finger.sensation.empty(); });
 }
 
 void show_solids(Picture& picture, std::span<const geometry::Solid> solids) {

@@ -74,6 +74,9 @@ struct FingerMarks {
   std::optional<std::uint32_t> running;
   bool together = false;               ///< all of them sound now
   std::optional<SectionMark> section;  ///< nullopt for a finger that is a single point
+  /// Not empty: the marks belong to a sensation, which has no finger. The legend has these words, and the foci are
+  /// where the focus was last: without numbers, and the line through them is open.
+  std::string sensation{};
 };
 
 /// One spectral line of what skin feels, as a share of the mean pressure.

@@ -129,9 +129,10 @@ void draw_finger(Ink& ink, const FingerMarks& finger, std::uint32_t index, const
   for (const Placed& p : placed)
     span = std::max(span, glm::distance(p.at, placed[0].at));
   const double radius = std::clamp(std::max(0.46 * nearest, 0.1 * span) / ink.px(1), 2.2, 10.5);
-  const bool numbered = radius >= 6.0;
+  const bool open = !finger.sensation.empty(), numbered = radius >= 6.0 && !open;
 
-  for (std::size_t i = 0; i < placed.size() && placed.size() > 1 && !finger.together; ++i) {
+  const std::size_t lines = placed.size() > 1 && !finger.together ? placed.size() - (open ? 1 : 0) : 0;
+  for (std::size_t i = 0; i < lines; ++i) {
     ink.line(placed[i].at, placed[(i + 1) % placed.size()].at, 1.3, with_alpha(mix(colour, theme.ink, 0.25f), 0.75f));
   }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.depth > b.depth; });
@@ -175,6 +176,7 @@ std::string names_of_solids(const Picture& picture) {
 }
 
 std::string words_of(const FingerMarks& finger, std::size_t index) {
+  if (!finger.sensation.empty()) return finger.sensation;
   const auto own = std::count_if(finger.foci.begin(), finger.foci.end(), [](const FocusMark& m) { return m.own; });
   std::string foci = counted(static_cast<std::size_t>(own), "focus");
   if (own != 1) foci = fmt::format("{} foci {}", own, finger.together ? "at once" : "in order");

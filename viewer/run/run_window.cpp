@@ -31,9 +31,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores.
+/// The shortest time between two pictures. A live run has at most 30 pictures a second, so that the loop has the cores;
+/// so has what plays as fast as it sounds.
 double shortest_s(const App& app) {
-  return app.data().content.live ? 1.0 / 30 : 0.0;
+  constexpr double fast = 600;
+  return app.data().content.live || app.data().state.time.slots_per_s > fast ? 1.0 / 30 : 0.0;
 }
 
 /// Opens, closes and updates the participant's window as the panels' data say.

@@ -28,6 +28,7 @@ void refuse_outputs_as_inputs(const ViewerOptions& options) {
                                  options.screen,      options.reference,    options.interact};
   std::ranges::copy(options.input.depths, std::back_inserter(files));
   std::ranges::copy(options.input.cameras, std::back_inserter(files));
+  files.push_back(options.sensation);
   if (options.is_live()) files.push_back(session::parse_spec(options.live.source).argument);
   // Built-in layouts are names, not files.
   if (std::filesystem::path(options.layout).has_extension()) files.push_back(options.layout);

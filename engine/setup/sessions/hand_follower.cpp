@@ -1,11 +1,8 @@
 #include "setup/sessions/hand_follower.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <glm/mat4x4.hpp>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "base/error.hpp"
@@ -25,127 +22,89 @@ std::size_t joint_of(On on) {
   return sensing::finger_joints[static_cast<std::size_t>(on) - static_cast<std::size_t>(On::thumb)].second;
 }
 
-/// Work on a thread of its own; its end, or its error, sets `stop`.
-class Following : public HandFollower {
- public:
-  Following(session::Anchor& anchor, std::atomic<bool>& stop) : anchor_(anchor), stop_(stop) {}
+/// A joint of a tracker's hand.
+struct Joint {
+  std::size_t joint;
+  std::unique_ptr<sensing::Tracker> tracker;
+  Transform T_array_joints;
+  session::Anchor& anchor;
+  const session::Clock& clock;
+  bool left = false;
 
-  void end() override {
-    if (!thread_.joinable()) return;
-    over_ = true;
-    thread_.join();
-    if (fault_) std::rethrow_exception(fault_);
-  }
-
- protected:
-  template <typename Work>
-  void start(const session::Clock& clock, Work work) {
-    thread_ = clock.start("--on", [this, work] {
-      try {
-        work();
-      } catch (...) {
-        fault_ = std::current_exception();
-      }
-      anchor_.lose();
-      stop_ = true;
-    });
-  }
-  /// For the destructor of the most derived class.
-  void drop() {
-    try {
-      end();
-    } catch (...) {  // the earlier error is the one to report
-    }
-  }
-
-  session::Anchor& anchor_;
-  std::atomic<bool>& stop_;
-  std::atomic<bool> over_{false};
-
- private:
-  std::thread thread_;
-  std::exception_ptr fault_;
-};
-
-class JointFollower final : public Following {
- public:
-  JointFollower(On on, std::unique_ptr<sensing::Tracker> tracker, const Transform& T_array_joints,
-                session::Anchor& anchor, std::atomic<bool>& stop, const session::Clock& clock)
-      : Following(anchor, stop), joint_(joint_of(on)), tracker_(std::move(tracker)), T_array_joints_(T_array_joints) {
-    start(clock, [this, &clock] { follow(clock); });
-  }
-  ~JointFollower() override { drop(); }
-
- private:
-  void follow(const session::Clock& clock) {
+  void follow(const std::atomic<bool>& over) {
     constexpr double look_s = 0.02;
     session::SourceClock source_clock;
     sensing::TrackedFrame frame;
     bool came = false;
     std::uint64_t number = 0;
-    while (!over_ && tracker_->next(frame, came, number, look_s)) {
+    while (!over && tracker->next(frame, came, number, look_s)) {
       if (!came) continue;
       const double captured_s = source_clock.capture_time(frame.time_s, clock.now());
-      const sensing::TrackedHand* const hand = chosen(frame);
-      if (hand) {
-        anchor_.see(T_array_joints_ * sensing::pose_of_joint(*hand, joint_), captured_s);
-      } else {
-        anchor_.lose();
+      if (frame.hands.empty()) {
+        anchor.lose();
+        continue;
       }
+      const auto same = std::ranges::find(frame.hands, left, &sensing::TrackedHand::left);
+      const sensing::TrackedHand& hand = same != frame.hands.end() ? *same : frame.hands.front();
+      left = hand.left;
+      anchor.see(T_array_joints * sensing::pose_of_joint(hand, joint), captured_s);
     }
   }
-  const sensing::TrackedHand* chosen(const sensing::TrackedFrame& frame) {
-    if (frame.hands.empty()) return nullptr;
-    const auto same = std::ranges::find(frame.hands, left_, &sensing::TrackedHand::left);
-    const sensing::TrackedHand& hand = same != frame.hands.end() ? *same : frame.hands.front();
-    left_ = hand.left;
-    return &hand;
-  }
-
-  std::size_t joint_;
-  std::unique_ptr<sensing::Tracker> tracker_;
-  Transform T_array_joints_;
-  bool left_ = false;
 };
 
-/// A session without sound that looks for the finger.
-class FingerFollower final : public Following, public session::RunObserver {
- public:
-  FingerFollower(const FrameOptions& frames, std::span<const session::SourceKind> sources,
-                 const Transform& T_world_array, session::Anchor& anchor, std::atomic<bool>& stop,
-                 const session::Clock& clock)
-      : Following(anchor, stop),
-        prepared_(prepare(frames, sources, true)),
-        silent_(session::open_link("null", session::builtin_links(), prepared_.session->link_setting())),
-        T_array_world_(glm::inverse(T_world_array)),
-        clock_(clock) {
-    start(clock, [this] { prepared_.session->run(*prepared_.source, *silent_, over_, {.observer = this}); });
-  }
-  ~FingerFollower() override { drop(); }
+/// The finger that a session without sound finds.
+struct TouchingFinger final : session::RunObserver {
+  Prepared prepared;
+  Transform T_array_world;
+  session::Anchor& anchor;
+  const session::Clock& clock;
+  std::unique_ptr<session::Link> silent =
+      session::open_link("null", session::builtin_links(), prepared.session->link_setting());
+  std::uint32_t id = 0;
+
+  TouchingFinger(Prepared made, const Transform& T_world_array, session::Anchor& seen, const session::Clock& times)
+      : prepared(std::move(made)), T_array_world(glm::inverse(T_world_array)), anchor(seen), clock(times) {}
+
+  void follow(std::atomic<bool>& over) { prepared.session->run(*prepared.source, *silent, over, {.observer = this}); }
 
   void planned(const session::FrameReport& report, const session::Plan&) override {
     const touch::Touch& touch = *report.touch;
-    if (touch.finger_count == 0) return anchor_.lose();
+    if (touch.finger_count == 0) return anchor.lose();
     const std::span fingers = std::span(touch.fingers).first(touch.finger_count);
-    const auto same = std::ranges::find(fingers, finger_, &touch::Finger::id);
+    const auto same = std::ranges::find(fingers, id, &touch::Finger::id);
     const touch::Finger& finger = same != fingers.end() ? *same : fingers.front();
-    finger_ = finger.id;
+    id = finger.id;
     // Parallel to the array: a finger's axes are those of its contacts, and turn with every frame.
     Transform pose(1.0);
-    pose[3] = Vec4(transform_point(T_array_world_, Vec3(finger.section.centroid)), 1);
-    anchor_.see(pose, clock_.now() - (report.planned_s - report.arrived_s));
+    pose[3] = Vec4(transform_point(T_array_world, Vec3(finger.section.centroid)), 1);
+    anchor.see(pose, clock.now() - (report.planned_s - report.arrived_s));
   }
-  void expired() override { anchor_.lose(); }
-
- private:
-  Prepared prepared_;
-  std::unique_ptr<session::Link> silent_;
-  Transform T_array_world_;
-  const session::Clock& clock_;
-  std::uint32_t finger_ = 0;
+  void expired() override { anchor.lose(); }
 };
 
 }  // namespace
+
+HandFollower::HandFollower(Follow follow, session::Anchor& anchor, std::atomic<bool>& stop, const session::Clock& clock)
+    : thread_(clock.start("--on", [this, follow = std::move(follow), &anchor, &stop] {
+        try {
+          follow(over_);
+        } catch (...) {
+          fault_ = std::current_exception();
+        }
+        anchor.lose();
+        stop = true;
+      })) {}
+
+HandFollower::~HandFollower() {
+  over_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void HandFollower::end() {
+  over_ = true;
+  if (thread_.joinable()) thread_.join();
+  if (fault_) std::rethrow_exception(fault_);
+}
 
 std::unique_ptr<HandFollower> follow_hand(On on, const FrameOptions& frames,
                                           std::span<const session::SourceKind> sources, const Transform& T_world_array,
@@ -155,12 +114,16 @@ std::unique_ptr<HandFollower> follow_hand(On on, const FrameOptions& frames,
     FrameOptions watched = frames;
     watched.watched = true;
     check(watched);
-    return std::make_unique<FingerFollower>(watched, sources, T_world_array, anchor, stop, clock);
+    const auto finger = std::make_shared<TouchingFinger>(prepare(watched, sources, true), T_world_array, anchor, clock);
+    return std::make_unique<HandFollower>([finger](std::atomic<bool>& over) { finger->follow(over); }, anchor, stop,
+                                          clock);
   }
   const sensing::Rig rig = load_posed_rig(frames.rig).rig;
   const Transform T_array_joints = glm::inverse(T_world_array) * rig.T_world_joints.value_or(Transform(1.0));
-  return std::make_unique<JointFollower>(on, sensing::open_tracker(session::parse_spec(frames.source).argument, true),
-                                         T_array_joints, anchor, stop, clock);
+  const auto joint = std::make_shared<Joint>(
+      Joint{joint_of(on), sensing::open_tracker(session::parse_spec(frames.source).argument, true), T_array_joints,
+            anchor, clock});
+  return std::make_unique<HandFollower>([joint](std::atomic<bool>& over) { joint->follow(over); }, anchor, stop, clock);
 }
 
 }  // namespace palpa::setup

@@ -1,9 +1,13 @@
 // Follows a hand for a sensation that plays on it: a joint of a tracker's hand, or the finger that touches a solid.
 #pragma once
 
+#include <atomic>
+#include <exception>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <thread>
 
 #include "base/math.hpp"
 #include "base/words.hpp"
@@ -20,14 +24,24 @@ inline constexpr Word<On> on_words[] = {{"palm", On::palm},     {"wrist", On::wr
                                         {"index", On::index},   {"middle", On::middle}, {"ring", On::ring},
                                         {"little", On::little}, {"finger", On::finger}};
 
+/// Follows a hand on a thread of its own. When that ends or fails, there is no hand, and `stop` becomes true.
 class HandFollower {
  public:
-  virtual ~HandFollower() = default;
-  /// Ends, and throws what went wrong meanwhile. When the source ends or fails, `stop` becomes true.
-  virtual void end() = 0;
+  using Follow = std::function<void(std::atomic<bool>& over)>;
+  HandFollower(Follow follow, session::Anchor& anchor, std::atomic<bool>& stop, const session::Clock& clock);
+  ~HandFollower();
+  HandFollower(const HandFollower&) = delete;
+  HandFollower& operator=(const HandFollower&) = delete;
+  /// Ends, and throws what went wrong meanwhile.
+  void end();
+
+ private:
+  std::atomic<bool> over_{false};
+  std::exception_ptr fault_;
+  std::thread thread_;
 };
 
-/// Opens the source of `frames` and follows the hand on a thread of its own, with times of `clock`. `anchor` gets its
+/// Opens the source of `frames` and follows the hand, with times of `clock`. `anchor` gets its
 /// pose in the frame of the array, which stands at `T_world_array`. If there are several hands, it stays with one as
 /// long as that is there. Throws as open_tracker and prepare() do, and bad_usage for a source that does not go with
 /// `on`.

@@ -56,13 +56,17 @@ Prepared prepare_live(const LiveOptions& options, std::span<const session::Sourc
 
 }  // namespace
 
-void add_link_options(const line::Group& group, LiveOptions& o) {
+void add_link(const line::Group& group, LiveOptions& o) {
   group.text("--link", o.link, "LINK",
              "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
   add_board_files(group, o.board_files);
   group.choice("--steps", o.steps, steps_words,
                "whether OpenMPD boards go from drive to drive in steps of 0.1 ms, which is quieter to the ear, or jump",
                &o.steps_given);
+}
+
+void add_link_options(const line::Group& group, LiveOptions& o) {
+  add_link(group, o);
   group.flag("--every-frame", o.every_frame, "processes every frame, however long it takes, and not only the newest");
   group.text("--record", o.record, "DIR",
              "writes every depth frame into a new folder, for --source recording:DIR [no recording]");

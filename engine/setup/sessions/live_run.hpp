@@ -42,7 +42,9 @@ void check(const LiveOptions& options);
 /// The report on stdout at the end of a run, beside --json.
 enum class StatsFormat { none, json };
 
-/// Adds the options for the link, for other outputs of the frames, and for messages.
+/// Adds the options for the link alone.
+void add_link(const line::Group& group, LiveOptions& options);
+/// Adds the same, and the options for other outputs of the frames, and for messages.
 void add_link_options(const line::Group& group, LiveOptions& options);
 
 /// The options of `palpa run`.

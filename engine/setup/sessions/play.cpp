@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -12,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "drawing/path_picture.hpp"
 #include "line/together.hpp"
 #include "session/control/osc.hpp"
@@ -51,10 +51,14 @@ std::optional<Vec3> place_of(const PlayOptions& o) {
 
 }  // namespace
 
+void add_parameters(const line::Group& group, std::vector<std::string>& parameters) {
+  group.texts("--param", parameters, "NAME=VALUE",
+              "value of a parameter of the pattern; give it again for more of them [the pattern's]");
+}
+
 void add_play_options(CLI::App& app, PlayOptions& o) {
   const line::Group what(app, "What to play");
-  what.texts("--param", o.parameters, "NAME=VALUE",
-             "value of a parameter of the pattern; give it again for more of them [the pattern's]");
+  add_parameters(what, o.parameters);
   what.number("--speed", o.speed, {0, 100}, "NUMBER",
               "multiplies the pattern's own speed; brushes and modulations keep theirs");
   what.quantity("--duration", o.duration_s, Quantity::time, line::positive(1e6),
@@ -74,9 +78,7 @@ void add_play_options(CLI::App& app, PlayOptions& o) {
                  "with --on: how long it sounds on after the newest frame of the hand");
   add_allow_outside(where, o.common);
   const line::Group to(app, "Where it goes");
-  to.text("--link", o.link, "LINK",
-          "where drives go: null (nowhere), record:FILE, foci:udp:HOST:PORT or a board (docs/boards.md)");
-  add_board_files(to, o.board_files);
+  add_link(to, o);
   add_safety(to, o.safety, &o.ceiling_known);
   to.text("--osc", o.osc, "PORT|ADDRESS:PORT",
           "takes gain and mute from other programs, as OSC messages by UDP (docs/live-control.md) [no messages]",
@@ -115,8 +117,9 @@ bool is_offline(const PlayOptions& o) {
 }
 
 std::vector<Output> outputs_of(const PlayOptions& o, std::span<const session::LinkKind> links) {
-  return {
-      {"--json", o.common.json}, {"--csv", o.csv}, {"--png", o.png}, {"--link", session::file_of_link(o.link, links)}};
+  std::vector<Output> outputs = outputs_of(static_cast<const LiveOptions&>(o), links);
+  outputs.insert(outputs.end(), {{"--csv", o.csv}, {"--png", o.png}});
+  return outputs;
 }
 
 std::vector<std::string> sensation_names() {
@@ -135,31 +138,31 @@ sensation::Pattern load_sensation(const std::string& name_or_file) {
   return sensation::load_pattern(name_or_file);
 }
 
+void check_parameter(const std::string& name, double value, const sensation::Pattern& pattern) {
+  const std::optional<std::uint32_t> index = pattern.parameter(name);
+  if (!index) {
+    std::vector<std::string> known;
+    for (const sensation::Parameter& parameter : pattern.parameters)
+      known.push_back(printable(parameter.name, 40));
+    throw bad_usage(fmt::format("--param: {} has no parameter '{}'; {}", pattern.file, printable(name, 40),
+                                known.empty() ? "it has none" : fmt::format("it has {}", fmt::join(known, ", "))));
+  }
+  const sensation::Parameter& parameter = pattern.parameters[*index];
+  if (const double used = std::clamp(value, parameter.low, parameter.high); used != value) {
+    log::warning(fmt::format("--param: {} is {} to {}, so it is {:g} and not {:g}", printable(name, 40), parameter.low,
+                             parameter.high, used, value));
+  }
+}
+
 std::map<std::string, double> parameters_of(std::span<const std::string> texts, const sensation::Pattern& pattern) {
   std::map<std::string, double> values;
   for (const std::string& text : texts) {
-    const std::size_t equals = text.rfind('=');
-    double value = 0;
-    const std::string_view number =
-        equals == std::string::npos ? "" : without_plus(std::string_view(text).substr(equals + 1));
-    const auto [rest, fault] = std::from_chars(number.data(), number.data() + number.size(), value);
-    if (number.empty() || fault != std::errc{} || rest != number.data() + number.size() || !std::isfinite(value))
-      throw bad_usage(fmt::format("--param: '{}' is not NAME=VALUE, such as rate=80", printable(text, 60)));
+    const std::size_t equals = std::min(text.rfind('='), text.size());
+    const std::optional<double> value = parse_number(std::string_view(text).substr(std::min(equals + 1, text.size())));
+    if (!value) throw bad_usage(fmt::format("--param: '{}' is not NAME=VALUE, such as rate=80", printable(text, 60)));
     const std::string name = text.substr(0, equals);
-    const std::optional<std::uint32_t> index = pattern.parameter(name);
-    if (!index) {
-      std::vector<std::string> known;
-      for (const sensation::Parameter& parameter : pattern.parameters)
-        known.push_back(printable(parameter.name, 40));
-      throw bad_usage(
-          fmt::format("--param: {} has no parameter '{}'; {}", pattern.file, printable(name, 40),
-                      known.empty() ? std::string("it has none") : fmt::format("it has {}", fmt::join(known, ", "))));
-    }
-    const sensation::Parameter& parameter = pattern.parameters[*index];
-    if (const double used = std::clamp(value, parameter.low, parameter.high); used != value)
-      log::warning(fmt::format("--param: {} is {} to {}, so it is {:g} and not {:g}", printable(name, 40),
-                               parameter.low, parameter.high, used, value));
-    values[name] = value;
+    check_parameter(name, *value, pattern);
+    values[name] = *value;
   }
   return values;
 }
@@ -169,6 +172,12 @@ double usual_slot(double fastest_hz, double period_s) {
   const double wanted_s =
       fastest_hz > 0 ? std::min(1 / (slots_in_a_turn * fastest_hz), longest_own_slot_s) : longest_own_slot_s;
   return std::max(std::floor(wanted_s / period_s * (1 + rounding)), 1.0) * period_s;
+}
+
+double playable(double fastest_hz, const std::string& who) {
+  if (fastest_hz <= sensation::most_hz) return fastest_hz;
+  throw bad_input(who, fmt::format("has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz", fastest_hz,
+                                   sensation::most_hz));
 }
 
 Playing::Playing(PlacedLayout array, const PlayOptions& o)
@@ -183,11 +192,9 @@ Playing::Playing(PlacedLayout array, const PlayOptions& o)
 
 std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, const std::string& who,
                                       std::span<const session::LinkKind> links) {
-  if (!(fastest_hz <= sensation::most_hz)) {
-    throw bad_input(who, fmt::format("has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz", fastest_hz,
-                                     sensation::most_hz));
-  }
+  playable(fastest_hz, who);
   session::check_board_files(o.link, links, o.board_files);
+  if (o.steps_given) session::check_takes_steps(o.link, links);
   RigOptions rig = o.rig;
   take_layout_of_link(rig, o.link, links);
   auto playing = std::make_unique<Playing>(load_placed_layout(rig), o);
@@ -221,10 +228,9 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
   return playing;
 }
 
-std::vector<sensation::Point> offline_points(const PlayOptions& o, sensation::Sensation& sensation,
-                                             const session::SensationSetting& setting, const std::string& who) {
-  std::vector<sensation::Point> points =
-      session::points_of_slots(sensation, setting.output.slot_s, o.duration_s, most_offline_slots + 1, o.common.seed);
+std::vector<sensation::Point> offline_points(sensation::Sensation& sensation, const session::SensationSetting& setting,
+                                             const std::string& who) {
+  std::vector<sensation::Point> points = session::points_of_slots(sensation, setting, most_offline_slots + 1);
   if (points.size() > most_offline_slots) {
     throw bad_usage(fmt::format("{} plays for more than {} slots of {:g} ms: give a --duration of at most {:g}s", who,
                                 most_offline_slots, 1e3 * setting.output.slot_s,
@@ -262,13 +268,14 @@ drawing::Pixels sensation_picture(std::span<const sensation::Point> points, cons
 }
 
 session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation, session::Transport& transport,
-                          Playing& playing, std::uint64_t offline_slots, std::span<const session::SourceKind> sources,
-                          std::span<const session::LinkKind> links, std::atomic<bool>& stop,
-                          session::RunObserver& observer) {
+                          Playing& playing, std::span<const sensation::Point> offline,
+                          std::span<const session::SourceKind> sources, std::span<const session::LinkKind> links,
+                          std::atomic<bool>& stop) {
   session::SensationSetting& setting = playing.setting;
   std::optional<session::Osc> osc;
   if (!o.osc.empty()) setting.output.safety.gain_now = &osc.emplace(o.osc).gain();
-  if (!is_offline(o)) session::go_first();
+  // Before a device starts its threads. Without one, this thread is ahead of what sounds, and may wait.
+  if (o.on == On::finger) session::go_first();
   session::Anchor anchor;
   std::unique_ptr<HandFollower> follower;
   const std::vector<std::string> no_solids;
@@ -276,6 +283,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.sound_speed_m_s = setting.output.drive.medium.sound_speed;
   link_setting.ramp_s = o.safety.ramp_s;
   link_setting.board_files = o.board_files;
+  link_setting.steps = o.steps == Steps::on;
   link_setting.free_field = goes_ahead(o, playing.posed);
   if (o.on) {
     setting.anchor = &anchor;
@@ -283,10 +291,10 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
     follower = follow_hand(*o.on, frames, sources, setting.T_world_array, anchor, stop);
   }
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
-  if (is_offline(o)) return session::record_sensation(sensation, *link, setting, offline_slots, stop);
+  if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);
   warn_of_full_amplitude(o, o.link, *link);
   if (osc) osc->listen();
-  const session::OutputStats stats = session::run_sensation(sensation, transport, *link, setting, stop, observer);
+  const session::OutputStats stats = session::run_sensation(sensation, transport, *link, setting, stop);
   if (follower) follower->end();
   if (osc) osc->end();
   return stats;

@@ -220,7 +220,8 @@ std::vector<ReviewedLine> of_play() {
                                          {"OPTION goes with --scene", {"--gltf-scene 0", "--allow-outside"}},
                                          {"--scene goes with --source", {"--scene ROOT/assets/cube.glb"}},
                                          {"--on needs --source", {"--on palm"}},
-                                         {"--board-files goes with a link to boards", {"--board-files /"}}}}),
+                                         {"--board-files goes with a link to boards", {"--board-files /"}},
+                                         {"--steps goes with a link to boards that take steps", {"--steps off"}}}}),
            .untried = "--link --osc --rig --ceiling --ramp --amplitude --temperature --sound-speed --frequency "
                       "--layout --png",
            .tried_as = "play heartbeat --duration 50ms --csv OUT/slots.csv --json OUT/play.json",

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "base/files/outputs.hpp"
 #include "geometry/files/ply.hpp"
@@ -297,6 +299,30 @@ TEST(MeshOfPressures, IsTheSkinOrTheFingerOfTheSource) {
   EXPECT_TRUE(finger_mesh("", "recording:take").ends_with("finger.ply"));
 }
 
+TEST_F(LiveApp, ASensationPlaysInItsTimeAndPauses) {
+  make(options_of({{"--sensation", {"circle"}}, {"--layout", {"openmpd"}}}));
+  go_round();
+  const auto slot = [&] { return app_->data().state.time.slot; };
+  const std::uint64_t begin = slot();
+  go_round(10);
+  EXPECT_NEAR(static_cast<double>(slot() - begin), 1 / 0.875e-3, 200) << "a second";
+  const auto& marks = app_->picture().fingers.at(0);
+  const double w = 2 * std::numbers::pi * 70 * 0.875e-3 * static_cast<double>(slot());
+  // The layout's x, y, z are the world's x, -z, y, and the array is 150 mm below.
+  const Vec3 there(0.01 * std::cos(w), 0.05, -0.01 * std::sin(w));
+  EXPECT_LT(glm::distance(Vec3(marks.foci.at(*marks.running).position), there), 1e-6);
+  EXPECT_EQ(marks.foci.size(), 16U);
+  EXPECT_TRUE(app_->picture().driven);
+  key(Key::space);
+  go_round();
+  const std::uint64_t paused = slot();
+  go_round(5);
+  EXPECT_EQ(slot(), paused);
+  key(Key::space);
+  go_round(5);
+  EXPECT_GT(slot(), paused);
+}
+
 TEST(AppSettings, WhatTheCommandLineSaysIsNotRemembered) {
   const fs::path file = test::scratch_folder("viewer-app-settings") / "viewer.toml";
   Preferences before;
@@ -309,6 +335,10 @@ TEST(AppSettings, WhatTheCommandLineSaysIsNotRemembered) {
   EXPECT_FALSE(app.data().state.layers.shows(Layer::grid)) << "of this the line said nothing";
   EXPECT_EQ(app.data().state.skin_colour, SkinColour::sa1);
   EXPECT_TRUE(app.finish(1));
+  EXPECT_EQ(load_preferences(file), before);
+  App playing({.sensation = "circle"}, {300, 200}, {.stop = &stop, .panels = false, .settings = file});
+  EXPECT_GT(playing.data().state.time.slots_per_s, 1000);
+  EXPECT_TRUE(playing.finish(1));
   EXPECT_EQ(load_preferences(file), before);
 }
 

@@ -86,6 +86,7 @@ TEST_F(ViewerFiles, WhatAPictureIsMadeOfIsNotWritten) {
   expect_refused(with(scene, {"--participant", "--screen", screen, "--screenshot", screen}), read_);
   for (const std::string& file : {depth, camera})
     expect_refused(with(scene, {"--depth", depth, "--camera", camera, "--screenshot", file}), read_);
+  expect_refused({"--sensation", path("script"), "--screenshot", link_to("script")}, read_);
   // A file that does not exist yet, compared with itself.
   expect_refused(with(scene, {"--reference", path("absent.png"), "--screenshot", link_to("absent.png")}), read_);
 }
@@ -182,8 +183,9 @@ TEST_F(ViewerFiles, NoFileIsWrittenTwice) {
 
 TEST_F(ViewerFiles, EveryOptionThatNamesAFileIsTried) {
   // A new option that names a file must be tried above.
-  const std::set<std::string> inputs{"--scene",  "--points", "--depth",  "--camera",    "--rig",      "--layout",
-                                     "--source", "--skin",   "--screen", "--reference", "--interact", "--board-files"},
+  const std::set<std::string> inputs{"--scene",    "--points",      "--depth",    "--camera", "--rig",
+                                     "--layout",   "--source",      "--skin",     "--screen", "--reference",
+                                     "--interact", "--board-files", "--sensation"},
       outputs{"--json", "--screenshot", "--video", "--events", "--link", "--record"};
   std::size_t found = 0;
   for (const test::HelpedOption& option : test::options_in(test::viewer({"--help", "all"}).out)) {

@@ -200,6 +200,24 @@ TEST_F(Viewer, FramesAdvanceTheRunningFocusAndAVideoIsEveryFrame) {
   EXPECT_EQ(pictures_in(path("live")), 3);
 }
 
+TEST_F(Viewer, ASensationIsDrawnSlotBySlot) {
+  const auto circle = [](const Line& more) {
+    return with({"--sensation", "circle", "--headless", "--size", "320x200", "--layout", "openmpd"}, more);
+  };
+  const std::string first = shot(circle({})), tenth = shot(circle({"--slot", "9"}));
+  EXPECT_NE(first, tenth);
+  EXPECT_EQ(shot(circle({"--frames", "10"})), tenth);
+  EXPECT_NE(shot(circle({"--slot", "9", "--param", "radius=20"})), tenth);
+  EXPECT_NE(shot(circle({"--slot", "9", "--show", "slice"})), tenth);
+  const std::filesystem::path file = folder_ / "circle.adaptics";
+  std::filesystem::copy_file(source_file("assets/sensations/circle.adaptics"), file);
+  const Line of_file = {"--sensation", file.string(), "--headless", "--size", "320x200",
+                        "--layout",    "openmpd",     "--slot",     "9"};
+  EXPECT_EQ(shot(of_file), tenth);
+  expect_failure(viewer_here(with({"--sensation"}, {"nobody", "--headless"})), 4,
+                 "neither a file nor a known sensation");
+}
+
 TEST_F(Viewer, EveryOptionOfThePictureHasItsEffect) {
   std::string layout;
   for (const char* place : {"-0.05, -0.05", "0.05, -0.05", "-0.05, 0.05", "0.05, 0.05"})

@@ -81,6 +81,10 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
       {live_, {"--tune-shortest", "1ms", "--tune-longest", "2ms"}, "--tune-shortest goes with --tune"},
       {live_, {"--tune-shortest", "1ms", "--tune-longest", "2ms", "--tune"}, "while running, --tune chooses strides"},
       {live_, {"--spectrum"}, "--spectrum and --source exclude each other"},
+      {scene_, {"--sensation", "circle"}, "--scene and --sensation exclude each other"},
+      {live_, {"--sensation", "circle"}, "--sensation"},
+      {layout_, {"--param", "radius=5"}, "--param goes with --sensation"},
+      {layout_, {"--sensation", "circle", "--heat", "RA"}, "--heat goes with --points or --depth"},
       {participant_, {"--ortho"}, "--ortho sets the viewpoint"},
       {participant_, {"--stereo", "anaglyph", "--barrier-pitch", "1mm"}, "--barrier-pitch goes with --stereo"},
       {participant_, {"--eyes-apart", "60mm"}, "--eyes-apart goes with --stereo"},
@@ -108,6 +112,7 @@ TEST_F(ViewerRefusals, ValuesThatAreWrong) {
       {host_, {"--explode", "2"}, "--explode"},
       {participant_, {"--stereo", "columns", "--barrier-gap", "0"}, "--barrier-gap"},
       {participant_, {"--stereo", "nonsense"}, "--stereo"},
+      {layout_, {"--sensation", "circle", "--param", "width=5"}, "has no parameter 'width'; it has radius"},
       {participant_, {"--eye", "0,0,-1"}, "not in front of the screen"},
   });
 }
