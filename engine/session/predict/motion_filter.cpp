@@ -23,7 +23,8 @@ double square(double value) {
 
 MotionFilter::MotionFilter(double noise_m) : sigma2_(square(std::max(noise_m, least_sigma_m))) {}
 
-void MotionFilter::see(double time_s, const Vec3& place_m) {
+void MotionFilter::see(double time_s, const Vec3& place_m, bool tracked) {
+  tracked_ = tracked;
   const double dt = time_s - time_s_;
   if (!known_ || dt < 0 || dt > longest_pause_s) {
     known_ = true;
@@ -46,7 +47,7 @@ void MotionFilter::see(double time_s, const Vec3& place_m) {
   if (relative > jolt) {
     accelerate((1 - share_) * q2, dt);
     share_ = 1;
-  } else {
+  } else if (tracked) {
     share_ = std::clamp(share_ * std::exp((relative - 1) / frames_of_calm), least_share, 1.0);
   }
   const double kx = pxx_ / (pxx_ + sigma2_), kv = pxv_ / (pxx_ + sigma2_);
@@ -67,7 +68,7 @@ Vec3 MotionFilter::velocity() const {
   if (!known_) return Vec3(0);
   const double speed2 = glm::dot(velocity_, velocity_);
   if (!(speed2 > 0)) return Vec3(0);
-  const double open = 1 / (1 + square(square(gate * pvv_ / speed2)));
+  const double noise = square(gate * pvv_ / speed2), open = 1 / (1 + (tracked_ ? square(noise) : noise));
   const double gain = 1 - 0.1 * share_;
   const double speed = std::sqrt(speed2) * gain * open;
   return velocity_ * (gain * open * std::min(1.0, most_speed / std::max(speed, 1e-9)));

@@ -6,11 +6,11 @@
 //
 //   x += v dt,  P += a q^2 (dt^3 / 3, dt^2 / 2; dt^2 / 2, dt),  and then the measurement z with the variance sigma^2
 //
-// The three axes have the same P. The share a falls, down to 0.02, while z is where it is expected, so that slow motion
-// that is even is known exactly. It is 1 as soon as z is elsewhere. The point is predicted for `ahead_s` after the
-// newest frame as
+// The three axes have the same P. For cameras, a is 1. For trackers, it falls, down to 0.02, while z is where it is
+// expected, so that slow motion that is even is known exactly. It is 1 as soon as z is elsewhere. The point is
+// predicted for `ahead_s` after the newest frame as
 //
-//   x + (1 - 0.1 a) g ahead_s v,  g = |v|^8 / (|v|^8 + v0^8),  v0^2 = 12 P_vv
+//   x + (1 - 0.1 a) g ahead_s v,  g = |v|^n / (|v|^n + v0^n),  v0^2 = 12 P_vv,  n = 4, for trackers 8
 //
 // so a velocity that could be noise predicts nothing: v0^2 is four times the variance of the speed, 3 P_vv. The filter
 // knows this variance itself, so the gate follows the rate of the frames and the noise without a setting. The factor
@@ -31,7 +31,8 @@ class MotionFilter {
 
   /// The place in metres, seen at `time_s`. Restarts if the time goes back, or after a pause. Another place at the time
   /// of the last one improves the place and the velocity no more than a second measurement can.
-  void see(double time_s, const Vec3& place_m);
+  /// `tracked`: by a tracker, whose places are smooth, so slow motion is predicted by the whole of its way.
+  void see(double time_s, const Vec3& place_m, bool tracked = false);
   /// Forgets everything.
   void restart() { known_ = false; }
 
@@ -53,6 +54,7 @@ class MotionFilter {
   Vec3 place_{0}, velocity_{0};
   double pxx_ = 0, pxv_ = 0, pvv_ = 0;
   double share_ = 1;  ///< a
+  bool tracked_ = false;
 };
 
 }  // namespace palpa::session
