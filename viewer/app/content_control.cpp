@@ -68,7 +68,8 @@ void ContentControl::begin() {
 /// files, the window stays empty.
 bool ContentControl::shows_example() {
   const setup::TouchInputOptions& input = options_.input;
-  const bool empty = input.scene.empty() && input.rig.empty() && options_.layout.empty() && options_.skin.empty();
+  const bool empty = input.scene.empty() && input.rig.empty() && options_.layout.empty() && options_.skin.empty() &&
+                     options_.sensation.empty();
   if (!empty || !goes_live_) return false;
   try {
     ViewerOptions example;
