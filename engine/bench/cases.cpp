@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/system/now.hpp"
 #include "bench/bench.hpp"
+#include "bench/shapes.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "gpu/commands.hpp"
@@ -129,17 +130,6 @@ geometry::Mesh load_mesh(const std::string& asset) {
   for (const geometry::SceneMesh& part : geometry::load_gltf(setup::find_asset(asset)).meshes)
     geometry::append(mesh, part.mesh);
   return mesh;
-}
-
-/// An axis-aligned box as a solid.
-std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high) {
-  geometry::Mesh mesh;
-  for (int corner = 0; corner < 8; ++corner) {
-    mesh.positions.emplace_back(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return geometry::make_solids({"box", {{"box", std::move(mesh)}}});
 }
 
 void measure_batch(const Context& context, std::uint32_t slots, std::uint32_t foci_per_slot, const std::string& name,

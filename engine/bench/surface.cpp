@@ -7,12 +7,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <optional>
 
 #include "array/layouts/board_mesh.hpp"
 #include "base/system/now.hpp"
 #include "bench/bench.hpp"
+#include "bench/shapes.hpp"
 #include "geometry/files/ply.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/surface/surface.hpp"
@@ -26,38 +26,6 @@
 
 namespace palpa::bench {
 namespace {
-
-/// A ball with dents, 100 mm across, its top at y = 0: closed, concave nearly everywhere, of about `faces` faces.
-geometry::Mesh dented_ball(std::uint32_t faces) {
-  const auto rings = static_cast<std::uint32_t>(std::sqrt(faces / 4.0)), segments = 2 * rings;
-  const auto radius = [](const Vec3& n) {
-    const double dents = std::sin(19 * n.x) * std::sin(17 * n.z) * std::cos(23 * n.y);
-    return 0.05 + 0.0015 * (dents - 1) * (1 - n.y * n.y);  // none at the top, where the finger is
-  };
-  geometry::Mesh mesh;
-  const auto add = [&](const Vec3& n) {
-    mesh.positions.emplace_back(glm::vec3(radius(n) * n - Vec3(0, 0.05, 0)));  // rounded as in a file
-  };
-  add({0, 1, 0});
-  for (std::uint32_t i = 1; i < rings; ++i) {
-    for (std::uint32_t k = 0; k < segments; ++k) {
-      const double theta = std::numbers::pi * i / rings, phi = 2 * std::numbers::pi * k / segments;
-      add({std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi)});
-    }
-  }
-  add({0, -1, 0});
-  const auto last = static_cast<std::uint32_t>(mesh.positions.size() - 1);
-  const auto at = [&](std::uint32_t ring, std::uint32_t k) { return 1 + (ring - 1) * segments + k % segments; };
-  for (std::uint32_t k = 0; k < segments; ++k) {
-    mesh.triangles.emplace_back(0U, at(1, k), at(1, k + 1));
-    mesh.triangles.emplace_back(last, at(rings - 1, k + 1), at(rings - 1, k));
-    for (std::uint32_t i = 1; i + 1 < rings; ++i) {
-      mesh.triangles.emplace_back(at(i, k), at(i + 1, k), at(i, k + 1));
-      mesh.triangles.emplace_back(at(i, k + 1), at(i + 1, k), at(i + 1, k + 1));
-    }
-  }
-  return mesh;
-}
 
 /// Resets peak_resident_bytes(), if the system allows it.
 void reset_peak() {

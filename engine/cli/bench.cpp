@@ -10,6 +10,7 @@
 #include "base/files/json_writer.hpp"
 #include "base/files/output_file.hpp"
 #include "base/text.hpp"
+#include "bench/growth.hpp"
 #include "cli/commands.hpp"
 #include "line/values.hpp"
 #include "setup/options/options.hpp"
@@ -18,13 +19,13 @@
 namespace palpa::cli {
 namespace {
 
-enum class Suite { all, touch, surface, array, acoustics, loop, links };
+enum class Suite { all, touch, surface, array, acoustics, loop, links, growth };
 
 struct BenchCommand {
   setup::CommonOptions common;
   Suite suite = Suite::all;
   std::uint32_t runs = 200;
-  std::string csv, scene;
+  std::string csv, svg, scene;
 };
 
 void add_options_of_bench(CLI::App& app, BenchCommand& o) {
@@ -36,13 +37,16 @@ void add_options_of_bench(CLI::App& app, BenchCommand& o) {
                 {"array", Suite::array},
                 {"acoustics", Suite::acoustics},
                 {"loop", Suite::loop},
-                {"links", Suite::links}},
+                {"links", Suite::links},
+                {"growth", Suite::growth}},
                "what is measured: points to foci (touch), solids of many faces (surface), drives (array), their sound "
-               "(acoustics), depth frames to drives (loop), drives to the wire (links)");
+               "(acoustics), depth frames to drives (loop), drives to the wire (links), how frames grow with the size "
+               "of everything (growth, not part of all)");
   group.text("--scene", o.scene, "FILE", "with --suite surface or all: glTF model that is measured as well [no model]");
   add_allow_outside(group, o.common);
   group.integer("--runs", o.runs, 3, 100'000, "number of timed runs of each case, after a warm-up");
   group.text("--csv", o.csv, "FILE|-", "writes the table as CSV, with the names of its columns in the first line");
+  group.text("--svg", o.svg, "FILE|-", "with --suite growth: writes pictures of time against size");
 }
 
 std::string bench_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
@@ -88,11 +92,12 @@ std::string bench_table(const std::vector<bench::Row>& rows, const gpu::DeviceDe
 }
 
 void run_bench(const BenchCommand& o, const Extensions& extensions) {
-  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--svg", o.svg}});
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes, which --backend cpu does not have");
   if (!o.scene.empty() && o.suite != Suite::all && o.suite != Suite::surface)
     throw bad_usage("--scene goes with --suite surface or --suite all");
+  if (!o.svg.empty() && o.suite != Suite::growth) throw bad_usage("--svg goes with --suite growth");
   std::optional<bench::Model> model;
   if (!o.scene.empty()) {
     const setup::Preparing progress(o.common.quiet);
@@ -129,6 +134,11 @@ void run_bench(const BenchCommand& o, const Extensions& extensions) {
   if (o.suite == Suite::all || o.suite == Suite::links) {
     for (const auto& measure : extensions.benches)
       measure(o.runs, rows);
+  }
+  if (o.suite == Suite::growth) {
+    const auto curves = bench::measure_growth(context, bench::any_size, rows);
+    bar.reset();
+    if (!o.svg.empty()) write_file(o.svg, bench::growth_svg(curves, device.description().name));
   }
   bar.reset();
 
