@@ -40,7 +40,7 @@ struct Exponents {
   double fitted = 0;    ///< least squares over all sizes, both logarithmic
   double steepest = 0;  ///< between two sizes that are next to each other
 };
-/// Of at least two samples; 0 and 0 of fewer.
+/// Both are 0 if there are fewer than two samples.
 Exponents exponents_of(std::span<const GrowthSample> samples);
 
 constexpr std::uint32_t any_size = std::numeric_limits<std::uint32_t>::max();

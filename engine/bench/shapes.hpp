@@ -17,7 +17,7 @@ geometry::Mesh dented_ball(std::uint32_t faces);
 geometry::Mesh box_mesh(const Vec3& low, const Vec3& high);
 std::vector<geometry::Solid> box_solid(const Vec3& low, const Vec3& high);
 
-/// So many points, evenly on an upright finger 16 mm wide and 68 mm long. Its tip is at y = `tip`.
+/// `count` points, evenly on an upright finger 16 mm wide and 68 mm long. Its tip is at y = `tip`.
 std::vector<glm::vec3> finger_points(std::uint32_t count, double tip);
 
 }  // namespace palpa::bench

@@ -42,7 +42,7 @@ struct Access {
   bool operator==(const Access&) const = default;
 };
 
-/// Of each of the kernel's bindings, from its SPIR-V.
+/// How the kernel uses each of its bindings, from its SPIR-V.
 std::vector<Access> accesses_of(const gpu::Kernel& kernel);
 
 }  // namespace palpa::test

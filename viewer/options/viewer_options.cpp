@@ -255,9 +255,8 @@ namespace {
 
 /// Throws bad_usage for the first of these that is given; `reason` follows its name.
 void refuse_given(const ViewerOptions& o, std::initializer_list<const char*> names, const std::string& reason) {
-  for (const char* name : names) {
+  for (const char* name : names)
     if (o.given.contains(name)) throw bad_usage(fmt::format("{} {}", name, reason));
-  }
 }
 
 /// The same of all options under one of the headings.
