@@ -1,5 +1,7 @@
 #include "gpu/barrier.hpp"
 
+#include "gpu/watch.hpp"
+
 namespace palpa::gpu {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr VkAccessFlags2 transfer_any = VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCES
 
 void barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 wrote, VkPipelineStageFlags2 to,
              VkAccessFlags2 touches) {
+  if (Watch* const sees = watch) sees->orders(commands, from, to);
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = from;
   memory.srcAccessMask = wrote;

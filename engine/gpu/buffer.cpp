@@ -6,6 +6,7 @@
 #include "gpu/allocation.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/check.hpp"
+#include "gpu/watch.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -26,7 +27,12 @@ VkDeviceSize never_a_power_of_two(VkDeviceSize bytes) {
 
 void copy(VkCommandBuffer commands, BufferRef from, BufferRef to, VkDeviceSize bytes) {
   const VkBufferCopy region{from.offset, to.offset, std::min(bytes, from.size)};
-  if (region.size != 0) vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
+  if (region.size == 0) return;
+  if (Watch* const sees = watch) {
+    sees->uses(commands, "a copy", from, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, false);
+    sees->uses(commands, "a copy", to, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, true);
+  }
+  vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
 }
 
 }  // namespace
@@ -81,6 +87,7 @@ void Readback::record(VkCommandBuffer commands, VkDeviceSize bytes) const {
     copy(commands, device_.ref(), host_.ref(), bytes);
   }
   writes_to_host(commands);
+  if (Watch* const sees = watch) sees->uses(commands, "the host", host_.ref(), VK_PIPELINE_STAGE_2_HOST_BIT, false);
 }
 
 }  // namespace palpa::gpu

@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "gpu/check.hpp"
 #include "gpu/patience.hpp"
+#include "gpu/watch.hpp"
 
 namespace palpa::gpu {
 
@@ -28,6 +29,7 @@ VkCommandBuffer Recorder::begin() const {
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   PALPA_VK(vkBeginCommandBuffer(commands_, &info));
+  if (Watch* const sees = watch) sees->begins(commands_);
   return commands_;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "gpu/check.hpp"
+#include "gpu/watch.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -109,12 +110,14 @@ void ComputePipeline::dispatch(VkCommandBuffer commands, const KernelBuffers& bu
                                std::uint32_t groups_x, std::uint32_t groups_y, std::uint32_t groups_z) const {
   if (groups_x == 0 || groups_y == 0 || groups_z == 0) return;
   bind(commands, buffers, push);
+  if (Watch* const sees = watch) sees->dispatches(commands, buffers, nullptr);
   vkCmdDispatch(commands, groups_x, groups_y, groups_z);
 }
 
 void ComputePipeline::dispatch_indirect(VkCommandBuffer commands, const KernelBuffers& buffers, const Push& push,
                                         BufferRef arguments) const {
   bind(commands, buffers, push);
+  if (Watch* const sees = watch) sees->dispatches(commands, buffers, &arguments);
   vkCmdDispatchIndirect(commands, arguments.buffer, arguments.offset);
 }
 

@@ -12,6 +12,17 @@ std::string name_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : "--" + option.get_lnames().front();
 }
 
+/// The last of the given options that it excludes: options are added after those that they imply, which nobody may have
+/// given.
+std::string last_excluded(const CLI::App& app, const CLI::Option& option, const Given& given) {
+  std::string last;
+  for (const CLI::Option* other : app.get_options()) {
+    const bool excludes = option.get_excludes().contains(const_cast<CLI::Option*>(other));
+    if (excludes && given.contains(name_of(*other))) last = name_of(*other);
+  }
+  return last;
+}
+
 }  // namespace
 
 void need(CLI::App& app, std::span<const std::string> options, const std::string& other) {
@@ -50,10 +61,8 @@ std::string misfit(const CLI::App& app, const Given& given) {
     for (const CLI::Option* other : option->get_needs()) {
       if (!given.contains(name_of(*other))) return fmt::format("{} goes with {}", name, name_of(*other));
     }
-    for (const CLI::Option* other : option->get_excludes()) {
-      if (given.contains(name_of(*other)))
-        return fmt::format("{} and {} exclude each other: give one of them", name, name_of(*other));
-    }
+    const std::string excluded = last_excluded(app, *option, given);
+    if (!excluded.empty()) return fmt::format("{} and {} exclude each other: give one of them", name, excluded);
   }
   return {};
 }

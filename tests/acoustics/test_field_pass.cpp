@@ -17,8 +17,10 @@
 #include "array/drive_pass.hpp"
 #include "gpu/barrier.hpp"
 #include "gpu/texel_view.hpp"
+#include "support/barriers.hpp"
 #include "support/device.hpp"
 #include "support/digest.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::acoustics {
 namespace {
@@ -53,6 +55,18 @@ TEST(FieldPass, IsTheDefinitionsSum) {
       EXPECT_LT(relative_error(pressures, expected), 2e-5);
     }
   }
+}
+
+TEST(MissingBarriers, AreSeenBetweenTheFieldAndTheHost) {
+  const Layout layout = load_layout("paper");
+  const auto strengths = strengths_of(focus_drive(layout, {0, 0, 0.15}));
+  std::vector<Complex> pressures;
+  const test::NoBarrierAfter none("field");
+  const auto compute = [&] {
+    (void)field_on(test::test_device(), layout, air_of({}), Directivity::piston, random_points(10, 0.1), strengths,
+                   pressures);
+  };
+  EXPECT_CONTAINS(test::error_of(compute, Exit::failed), "which field wrote");
 }
 
 TEST(FieldPass, IsTheTwinsFarAwayAndOnATransducer) {

@@ -22,14 +22,21 @@ using nlohmann::json;
   if (!std::filesystem::exists(variable)) GTEST_SKIP() << "skipped: no umockdev-run (apt-get install umockdev)"; \
   if (instrumented()) GTEST_SKIP() << "skipped: umockdev-run and sanitizers do not go together"
 
+/// `palpa doctor` on those devices, and on no board that somebody emulates.
+Result doctor_on(const std::filesystem::path& mock, const std::filesystem::path& devices) {
+  // CHARSET: of paths, for umockdev-run.
+  return run_program(
+      mock, {"--device", devices.string(), "--", palpa_binary(), "doctor", "--json", "-"},
+      {.environment = {{"CHARSET", "UTF-8"}, {"XDG_RUNTIME_DIR", scratch_folder("no-boards").string()}}});
+}
+
 TEST(DriverDoctor, FindsBoardsAndCamerasOnUsb) {
   PALPA_UMOCKDEV_OR_SKIP(mock);
   const auto file = scratch_folder("usb") / "usb.umockdev";
   std::ofstream(file) << describe({3, 19, "0403", "6014", "FTY4PDOI"}) << describe({1, 7, "1a86", "7523", ""})
                       << describe({4, 21, "2341", "0042", "85430353531351B0D1E1"})
                       << describe({2, 12, "8086", "0ad3", "728612070259"}) << describe({5, 30, "04d9", "1603", ""});
-  const Result result = run_program(mock, {"--device", file.string(), "--", palpa_binary(), "doctor", "--json", "-"},
-                                    {.environment = {{"CHARSET", "UTF-8"}}});  // of paths, for umockdev-run
+  const Result result = doctor_on(mock, file);
   ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 3) << result.err;
   const json report = json::parse(result.out);
   ASSERT_EQ(report["boards"].size(), 3u) << report["boards"];
@@ -61,8 +68,7 @@ TEST(DriverDoctor, ADeviceThatMayNotBeOpenedIsExplained) {
   std::string camera = describe({2, 12, "8086", "0ad3", "728612070259"});
   camera.erase(camera.find("N: "), camera.find("E: DEVNAME") - camera.find("N: "));
   std::ofstream(file) << device << camera;
-  const Result result = run_program(mock, {"--device", file.string(), "--", palpa_binary(), "doctor", "--json", "-"},
-                                    {.environment = {{"CHARSET", "UTF-8"}}});  // of paths, for umockdev-run
+  const Result result = doctor_on(mock, file);
   const json report = json::parse(result.out);
   ASSERT_EQ(report["boards"].size(), 1u);
   EXPECT_FALSE(report["boards"][0]["usable"].get<bool>());

@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "gpu/barrier.hpp"
 #include "gpu/scan_pass.hpp"
 #include "shaders/shared/scan.h"
 #include "spirv/scan.comp.hpp"
+#include "support/barriers.hpp"
 #include "support/device.hpp"
 #include "support/spirv.hpp"
 #include "support/thrown.hpp"
@@ -103,6 +105,34 @@ TEST(Kernel, ATableThatIsNotTheModulesIsNoticed) {
   EXPECT_THROW(read({{"counts"}, {"offsets"}, {"total", true}}), std::runtime_error);
   EXPECT_THROW(read({{"counts"}, {"offsets"}}), std::runtime_error);
   EXPECT_THROW(read({{"counts"}, {"offsets"}, {"total"}, {"more"}}), std::runtime_error);
+}
+
+TEST(MissingBarriers, WhatAKernelReadsAndWritesComesFromItsSpirv) {
+  const std::vector<test::Access> expected{{.reads = true}, {.writes = true}, {.writes = true}};
+  EXPECT_EQ(test::accesses_of(spirv::scan_comp), expected) << "counts, offsets, total";
+}
+
+TEST(MissingBarriers, AreRefusedWithTheNamesOfBothKernels) {
+  Device& device = test::test_device();
+  const ComputePipeline scan(device, "scan", spirv::scan_comp, sizeof(shader::ScanPush));
+  const Buffer a(device, 64, "a"), b(device, 64, "b"), total(device, 64, "total");
+  const auto twice = [&](const BufferRef& counts, void (*between)(VkCommandBuffer)) {
+    return refusal([&](VkCommandBuffer commands) {
+      scan.dispatch(commands, spirv::scan_buffers(ScanBindings{a.ref(), b.ref(), total.ref()}), shader::ScanPush{}, 1);
+      if (between) between(commands);
+      scan.dispatch(commands, spirv::scan_buffers(ScanBindings{counts, b.ref(), total.ref()}), shader::ScanPush{}, 1);
+    });
+  };
+  EXPECT_EQ(twice(a.ref(), nullptr), "") << "reads what the other reads, and writes as it does";
+  EXPECT_EQ(twice(b.ref(), nullptr),
+            "scan reads 'counts', which scan wrote as 'offsets', without a barrier between them");
+  EXPECT_EQ(twice(b.ref(), compute_to_compute), "");
+  EXPECT_NE(twice(b.ref(), writes_to_transfer), "") << "the dispatch does not wait";
+  EXPECT_NE(twice(b.ref(), writes_to_host), "");
+  const BufferRef rest{a.ref().buffer, 32, 32};
+  const BufferRef half{b.ref().buffer, 0, 32};
+  EXPECT_NE(twice(half, nullptr), "") << "a part of the same buffer";
+  EXPECT_EQ(twice(rest, nullptr), "");
 }
 
 TEST(ComputePipeline, CannotBeDispatchedBeforeItIsMade) {

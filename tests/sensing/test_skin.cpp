@@ -15,6 +15,7 @@
 #include "skin_run.hpp"
 #include "spirv/skin_count.comp.hpp"
 #include "spirv/skin_scatter.comp.hpp"
+#include "support/barriers.hpp"
 #include "support/spirv.hpp"
 #include "support/thrown.hpp"
 
@@ -101,6 +102,16 @@ TEST(Skin, DeviceGivesTheTwinsBytes) {
         << "round " << round << ": " << twin.size() << " and " << device.points.size();
     EXPECT_EQ(device.total.groups_x, (twin.size() + 63) / 64);
     EXPECT_EQ(device.total.groups_y, 1u);
+  }
+}
+
+TEST(MissingBarriers, AreSeenAfterTheKernelsOfTheSkin) {
+  std::mt19937_64 random(11);
+  const Scene scene = random_scene(random, 2);
+  const Box box{Vec3(-100), Vec3(100)};
+  for (const char* kernel : {"skin_count", "scan"}) {
+    const test::NoBarrierAfter none(kernel);
+    EXPECT_CONTAINS(test::error_of([&] { run_pass(scene, box); }, Exit::failed), std::string("which ") + kernel + " ");
   }
 }
 

@@ -80,11 +80,11 @@ TEST(MotionFilter, AboutHalvesTheErrorOfRecordedFingersThatMoveAndDoesNotHarmAtR
 
 /// A point that moves at a constant speed, as a camera of this rate sees it.
 void see_motion(MotionFilter& filter, const Vec3& velocity, double from_s, double to_s, double rate_hz, double noise_m,
-                std::uint32_t seed) {
+                std::uint32_t seed, bool tracked = false) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   for (double t = from_s; t < to_s; t += 1 / rate_hz)
-    filter.see(t, velocity * t + noise_m * Vec3(normal(random), normal(random), normal(random)));
+    filter.see(t, velocity * t + noise_m * Vec3(normal(random), normal(random), normal(random)), tracked);
 }
 
 TEST(MotionFilter, FollowsASteadyMotionAndPredictsNothingAtRest) {
@@ -100,6 +100,20 @@ TEST(MotionFilter, FollowsASteadyMotionAndPredictsNothingAtRest) {
       }
       EXPECT_LT(sum, 0.95 * 0.2) << "the factor of the prediction";
       EXPECT_GT(sum, (rate > 50 ? 0.6 : 0.35) * 0.2) << "at a low rate, less is certain";
+    }
+  }
+}
+
+TEST(MotionFilter, DoesNotShortenATrackersSlowMotion) {
+  for (const double rate : {60.0, 90.0}) {
+    for (const double speed : {0.05, 0.1, 0.2}) {
+      double sum = 0;
+      for (std::uint32_t seed = 0; seed < 20; ++seed) {
+        MotionFilter filter(0.1e-3);
+        see_motion(filter, {speed, 0, 0}, 0, 0.6, rate, 0.1e-3, seed, true);
+        sum += filter.velocity().x / 20;
+      }
+      EXPECT_NEAR(sum, speed, 0.05 * speed) << rate << " Hz, " << speed << " m/s";
     }
   }
 }

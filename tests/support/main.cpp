@@ -1,5 +1,5 @@
-// main() of every test program: fails on any validation error. --of=FILE[,FILE...] runs only the tests of these
-// sources.
+// main() of every test program: fails on any validation error, and on a missing barrier between dispatches.
+// --of=FILE[,FILE...] runs only the tests of these sources.
 #include <dlfcn.h>
 #include <fnmatch.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "gpu/device.hpp"
+#include "support/barriers.hpp"
 
 namespace {
 
@@ -79,6 +80,7 @@ int main(int argc, char** argv) {
   // Property tests draw the same cases on every run, so that a failure repeats and no change fails by chance. Set
   // RC_PARAMS to try other cases.
   setenv("RC_PARAMS", "seed=20240601", 0);
+  palpa::test::watch_barriers();
   const int failed = RUN_ALL_TESTS();
   if (palpa::gpu::validation_errors() != 0) {
     std::fprintf(stderr, "FAILED: %llu Vulkan validation errors\n",

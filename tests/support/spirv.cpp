@@ -7,7 +7,7 @@
 namespace palpa::test {
 namespace {
 
-// The SPIR-V opcodes and decorations that describe layout.
+// The SPIR-V opcodes and decorations that describe layout and accesses.
 enum : std::uint32_t {
   op_name = 5,
   op_member_name = 6,
@@ -17,8 +17,18 @@ enum : std::uint32_t {
   op_type_pointer = 32,
   op_constant = 43,
   op_variable = 59,
+  op_load = 61,
+  op_store = 62,
+  op_copy_memory = 63,
+  op_access_chain = 65,
+  op_in_bounds_access_chain = 66,
   op_decorate = 71,
   op_member_decorate = 72,
+  op_copy_object = 83,
+  op_atomic_load = 227,
+  op_atomic_store = 228,
+  op_atomic_exchange = 229,
+  op_atomic_xor = 242,
   op_execution_mode_id = 331,
   mode_local_size = 17,
   mode_local_size_id = 38,
@@ -48,6 +58,21 @@ std::string in_small_letters(const std::string& name) {
     out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
   return out;
+}
+
+/// Where an instruction has the pointers that it reads and writes through; 0: none.
+struct Places {
+  std::uint32_t reads = 0, writes = 0, adds = 0;
+};
+
+Places places_of(std::uint32_t op) {
+  if (op == op_load) return {.reads = 3};
+  if (op == op_store) return {.writes = 1};
+  if (op == op_copy_memory) return {.reads = 2, .writes = 1};
+  if (op == op_atomic_load) return {.reads = 3};
+  if (op == op_atomic_store) return {.adds = 1};
+  if (op >= op_atomic_exchange && op <= op_atomic_xor) return {.adds = 3};
+  return {};
 }
 
 }  // namespace
@@ -140,6 +165,38 @@ SpirvModule read_spirv(const gpu::Kernel& kernel) {
     throw std::runtime_error(std::string(kernel.name) + " does not bind all that its table names");
   }
   return module;
+}
+
+std::vector<Access> accesses_of(const gpu::Kernel& kernel) {
+  std::map<std::uint32_t, std::uint32_t> binding_numbers, roots;  // variable -> binding, pointer -> variable
+  std::vector<Access> accesses(kernel.bindings.size());
+  const auto of = [&](std::uint32_t pointer) -> Access* {
+    const auto root = roots.find(pointer);
+    return root != roots.end() ? &accesses.at(binding_numbers.at(root->second)) : nullptr;
+  };
+  const std::span words = kernel.words;
+  for (std::size_t at = 5, length = 0; at < words.size(); at += length) {
+    length = words[at] >> 16;
+    if (length == 0 || at + length > words.size()) throw std::runtime_error("truncated SPIR-V module");
+    const std::uint32_t op = words[at] & 0xffff;
+    const auto w = words.subspan(at, length);
+    if (op == op_decorate && w[2] == decoration_binding) binding_numbers[w[1]] = w[3];
+    if (op == op_variable && binding_numbers.contains(w[2])) roots[w[2]] = w[2];
+    if (op == op_access_chain || op == op_in_bounds_access_chain || op == op_copy_object) {
+      if (const auto root = roots.find(w[3]); root != roots.end()) roots[w[2]] = root->second;
+    }
+    const Places places = places_of(op);
+    if (places.reads != 0) {
+      if (Access* access = of(w[places.reads])) access->reads = true;
+    }
+    if (places.writes != 0) {
+      if (Access* access = of(w[places.writes])) access->writes = true;
+    }
+    if (places.adds != 0) {
+      if (Access* access = of(w[places.adds])) access->adds = true;
+    }
+  }
+  return accesses;
 }
 
 }  // namespace palpa::test

@@ -1,4 +1,5 @@
-// Reads back from a SPIR-V module what the C++ side assumes about it: bindings, workgroup size, member offsets.
+// Reads back from a SPIR-V module what the C++ side assumes about it: bindings, workgroup size, member offsets; and
+// what it reads and writes.
 #pragma once
 
 #include <array>
@@ -34,5 +35,14 @@ struct SpirvModule {
 SpirvModule read_spirv(std::span<const std::uint32_t> words);
 /// Also throws std::runtime_error if the build's table does not have the module's bindings, by number, name and kind.
 SpirvModule read_spirv(const gpu::Kernel& kernel);
+
+/// What a kernel does with a buffer that it binds.
+struct Access {
+  bool reads = false, writes = false, adds = false;  ///< `adds`: by atomic operations
+  bool operator==(const Access&) const = default;
+};
+
+/// How the kernel uses each of its bindings, from its SPIR-V.
+std::vector<Access> accesses_of(const gpu::Kernel& kernel);
 
 }  // namespace palpa::test

@@ -25,6 +25,8 @@ constexpr Recorded recordings[] = {
     {"hands-unsteady/palm-back-thin", "hands-unsteady/plate-2.glb", nullptr, 1, {}, false},
     {"hands-unsteady/faint-slide", "hands-unsteady/plate-60.glb", nullptr, 1, {}, true},
     {"hands-unsteady/faint-slide", "hands-unsteady/plate-60.glb", nullptr, 1, 20e-3, true},
+    {"hands-more/far-hand-one-camera", "hands-more/bigbox.glb", nullptr, 5, {}, false},
+    {"hands-more/prediction-silences-a-frame", "hands-more/plate-60.glb", nullptr, 2, 20e-3, true},
 };
 constexpr std::uint64_t first_recording = 30000;
 

@@ -7,6 +7,7 @@
 #include "geometry/gltf/gltf.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/synthetic.hpp"
+#include "support/barriers.hpp"
 #include "support/hand_skin.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -46,6 +47,15 @@ TEST(Stage, DepthFramesOnTheDeviceAreThoseOfTheTwin) {
     stage.touch(images, found);
     expect_identical(expected, found);
   }
+}
+
+TEST(MissingBarriers, AreSeenBetweenTheSkinAndItsTouch) {
+  const Scene scene;
+  const auto images = scene.frames(3e-3);
+  DeviceStage stage(scene.solids, scene.cameras);
+  Touch touch;
+  const palpa::test::NoBarrierAfter none("skin_scatter");
+  EXPECT_CONTAINS(palpa::test::error_of([&] { stage.touch(images, touch); }, Exit::failed), "which skin_scatter wrote");
 }
 
 TEST(Stage, AStrideLeavesFingersWhereTheyAre) {

@@ -15,6 +15,7 @@
 #include "viewer/panels/key_sheet.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
+#include "viewer/picture/colour_bars.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -65,6 +66,10 @@ App::App(const ViewerOptions& options, const Size& size, AppHost host)
   if (options.participant) open_participant();
   ratio_ = options.pixel_ratio.value_or(host_.ratio);
   data_.state.viewpoint = first_viewpoint(options, picture(), data_.state, free_size(size));
+  if (data_.content.empty) {
+    data_.state.viewpoint.covered_right = welcome_share(free_size(size).width, text_height * ratio_);
+    data_.asked.frame = true;
+  }
   see_framed();
 }
 
@@ -277,6 +282,7 @@ void App::advance(double now_s, const Size& whole_size) {
   content_.watch_scene(now_s);
   advance_slots();
   advance_sound();
+  leave_room_for_bars(size);
   participant_.advance(now_s);
   stale_.look(data_.state);
 }
@@ -391,13 +397,35 @@ void App::advance_sound() {
   slice_.place_once(state, picture());
   const bool slice = state.layers.shows(Layer::slice);  // only the slice needs the slot
   const Sounding now = content_.sounding(slice ? std::optional(state.time.slot) : std::nullopt);
-  state.slice_handles = now.layout != nullptr;
+  state.slice_handles = host_.hands && now.layout != nullptr;
   Sounds& sounds = content_.sounds();
   const Change change = sounds.look(now, state, data_.wants_spectrum, content_.picture(), now_s_);
   stale_.add(change.skin ? Stale::skin : change.marks ? Stale::marks : Stale::nothing);
   data_.spectra = sounds.spectra();
   for (const std::string& fault : sounds.faults())
     data_.messages.say(log::Level::error, fault);
+}
+
+void App::leave_room_for_bars(const Size& size) {
+  Viewpoint& viewpoint = data_.state.viewpoint;
+  const double share = bars_share(picture(), data_.state.layers, size.width, size.height, ratio_);
+  if (share == viewpoint.covered_below) return;
+  cover_below(viewpoint, share, content_.options().given.contains("--eye"));
+  stale_.redraw();
+}
+
+void App::leave_room_for_close_up(const Size& size) {
+  Viewpoint& viewpoint = data_.state.viewpoint;
+  const ViewerOptions& options = content_.options();
+  if (options.given.contains("--eye") || viewpoint.frustum) return;
+  if (views_from(viewpoint, options, picture(), free_size(size), ratio_).size() < 2) return;
+  viewpoint.covered_right = inset_share;
+  fit(viewpoint, home_of(options, picture(), data_.state), aspect_of(free_size(size)));
+}
+
+void App::hold() {
+  content_.run().hold();
+  data_.state.time.playing = false;
 }
 
 std::optional<double> App::next_s() const {

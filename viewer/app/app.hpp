@@ -33,7 +33,8 @@ struct AppHost {
   /// Called before a touch becomes a live run. Empty: a touch cannot become one.
   std::function<void()> goes_live;
   bool panels = true;
-  double ratio = 1;  ///< pixels per point at first
+  bool hands = true;  ///< somebody, or a script, moves the mouse
+  double ratio = 1;   ///< pixels per point at first
   /// The file that remembers the settings. Empty: they are not remembered.
   std::filesystem::path settings;
 };
@@ -96,6 +97,13 @@ class App {
   void go_on() { data_.asked.slots = 1; }
   /// Whether a live run has shown a frame since the last call. Without a live run, always true.
   bool showed_frame() { return !data_.content.live || content_.run().take_fresh(); }
+  /// From now on, the picture keeps a live run's frame that it shows; its sound may still be computed, see computes().
+  void hold();
+  /// If the picture has a close-up, moves the view beside it, as long as no option has set the view: for a picture of
+  /// its own.
+  void leave_room_for_close_up(const Size& size);
+  /// Whether sound that the picture shows is being computed.
+  bool computes() const { return content_.sounds().busy(); }
   bool loading() const { return content_.run().control().loading(); }
   /// Whether a live run is under way and no frame of it has been shown yet.
   bool awaits_frame() const { return content_.run().control().under_way() && !content_.run().shows_frame(); }
@@ -123,6 +131,7 @@ class App {
   void advance_run(const Size& size);
   void advance_slots();
   void advance_sound();
+  void leave_room_for_bars(const Size& size);
   void do_asked(const Size& size);
   void do_views(const PanelData::Asked& asked, const Size& size);
   void step_slots(int by);

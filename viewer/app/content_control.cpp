@@ -59,9 +59,31 @@ void ContentControl::begin() {
     run_.control().start(content_->edit.options());
     begin_run();
   } else {
-    touch_ = std::make_unique<ShownTouch>(options_);
+    if (!shows_example()) touch_ = std::make_unique<ShownTouch>(options_);
     sounds_.set_finger(finger_mesh(options_.skin, {}));
   }
+}
+
+/// If there is nothing to show, shows a finger on the cube, until the user chooses something. Without palpa's own
+/// files, the window stays empty.
+bool ContentControl::shows_example() {
+  const setup::TouchInputOptions& input = options_.input;
+  const bool empty = input.scene.empty() && input.rig.empty() && options_.layout.empty() && options_.skin.empty() &&
+                     options_.sensation.empty();
+  if (!empty || !goes_live_) return false;
+  try {
+    ViewerOptions example;
+    example.common.backend = setup::Backend::cpu;
+    example.common.quiet = true;
+    example.input.scene = setup::find_asset("cube.glb");
+    example.input.points = example.skin = setup::find_asset("finger.ply");
+    example.input.penetration_m = 3e-3;
+    touch_ = std::make_unique<ShownTouch>(example);
+    example_ = content_->empty = true;
+  } catch (const Error&) {
+    example_ = false;
+  }
+  return example_;
 }
 
 void ContentControl::show_slot(std::uint64_t slot) {
@@ -141,7 +163,7 @@ void ContentControl::go_live(LiveEdit edit) {
   goes_live_();
   content_->live = true;
   content_->edit = std::move(edit);
-  run_.picture() = touch_->picture();
+  if (!std::exchange(example_, false)) run_.picture() = touch_->picture();
   touch_.reset();
   sounds_.forget();
   run_.control().start(content_->edit.options());
@@ -287,6 +309,7 @@ bool ContentControl::take_opened() {
   change_run(std::move(edit), opened->same);
   if (opened->kind != Opened::Kind::touch) return false;
   touch_ = std::move(opened->touch);
+  example_ = false;
   options_ = std::move(*opened->options);
   sounds_.forget();
   stale_->add(Stale::surfaces);
@@ -333,7 +356,8 @@ void ContentControl::update_status() {
   const bool has_object = !content_->edit.options().scene.empty();
   content_->can_start = content_->live ? state == LiveState::ended || state == LiveState::failed
                                        : has_object && static_cast<bool>(goes_live_);
-  content_->empty = touch_ && picture().solids.empty() && picture().transducers.empty() && !picture().skin;
+  content_->empty =
+      example_ || (touch_ && picture().solids.empty() && picture().transducers.empty() && !picture().skin);
 }
 
 }  // namespace palpa::viewer

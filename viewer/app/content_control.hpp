@@ -69,6 +69,7 @@ class ContentControl {
   bool ended() const { return ended_; }
 
  private:
+  bool shows_example();
   void begin_run();
   void change_run(LiveEdit edit, bool again = false);
   bool goes_together(const LiveEdit& edit);
@@ -89,6 +90,7 @@ class ContentControl {
   Opening opening_;
   SceneWatch watch_;
   Sounds sounds_;
+  bool example_ = false;  ///< the touch is what an empty window shows
   bool ended_ = false;
 };
 

@@ -75,7 +75,7 @@ bool ShownRun::look() {
   see_recording();
 
   // Before asking for the scene, so that a snapshot's scene is there.
-  const bool fresh = session.take(), seen = session.take_seen();
+  const bool fresh = !held_ && session.take(), seen = !held_ && session.take_seen();
   new_frame_ = fresh || seen;
   fresh_ = fresh_ || fresh;
   any_ = any_ || fresh;
@@ -121,7 +121,7 @@ void ShownRun::show_slot(std::uint64_t slot) {
 
 Sounding ShownRun::sounding(std::optional<std::uint64_t> slot) {
   const std::shared_ptr<const LiveScene>& scene = control_.scene();
-  if (!scene || status_->state != LiveState::running) return {};
+  if (!scene || (status_->state != LiveState::running && !held_)) return {};
   const Snapshot& snapshot = control_.session()->snapshot();
   Sounding now = sounding_of(scene, snapshot);
   if (slot) now.slot = drive_of(*scene, snapshot.plan, *slot, scratch_);

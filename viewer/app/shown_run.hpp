@@ -43,6 +43,8 @@ class ShownRun {
   bool look();
   /// Shows the frame that look() took, if there was one. `depth`: with the cameras' images.
   void show_frame(std::uint64_t slot, bool depth);
+  /// From now on, the picture keeps the frame that it shows, and what sounded then, also beyond the run's end.
+  void hold() { held_ = true; }
   /// Sees how the session ended. Returns whether the next one is ready to begin.
   bool follow();
 
@@ -80,6 +82,7 @@ class ShownRun {
   RunControl control_;             ///< declared after the sources that its sessions use
   std::string made_;
   bool new_frame_ = false;       ///< look() took a snapshot, or what the cameras saw
+  bool held_ = false;            ///< no other frame is shown
   bool any_ = false;             ///< the session has shown a frame
   bool fresh_ = false;           ///< a frame was shown since the last take_fresh()
   bool told_of_finger_ = false;  ///< the user knows what the pointer does

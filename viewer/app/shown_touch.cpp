@@ -1,5 +1,7 @@
 #include "viewer/app/shown_touch.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <optional>
@@ -8,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/files/ply.hpp"
+#include "geometry/mesh/nearest.hpp"
 #include "sensing/rig.hpp"
 #include "sensing/skin_twin.hpp"
 #include "setup/options/warnings.hpp"
@@ -16,6 +19,8 @@
 #include "setup/sessions/nearest_skin.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "setup/sessions/touch_schedule.hpp"
+#include "touch/fingers/sight.hpp"
+#include "viewer/picture/flying.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -62,12 +67,7 @@ void ShownTouch::load_objects(const ViewerOptions& options) {
   if (felt || array.pressure_pa || std::ranges::any_of(solids, asks)) array.layout = *layout_;
   const setup::OneTouch one = setup::touch_once(options.common, options.touch, options.felt, options.input.scene,
                                                 std::move(solids), input, std::move(array), times);
-  if (one.touch.finger_count == 0) {
-    if (const auto nearest = setup::nearest_skin(one.session.solids(), input))
-      log::warning("nothing touches: the nearest skin is " + setup::place_of(*nearest, one.session.solids()));
-  }
-  show_touch(picture_, one.session.solids(), points_near(input, one.session.solids()), one.touch);
-  picture_.skin_count = input.point_count;
+  show_skin(input, one.session.solids(), one.touch);
   show_cameras(picture_, input.cameras);
   show_depth(picture_, input.cameras, input.frames);
   schedule_ = one.session.schedule();
@@ -77,6 +77,48 @@ void ShownTouch::load_objects(const ViewerOptions& options) {
     placements.push_back(finger.placement);
   show_schedule(picture_, schedule_, placements);
   if (options.felt.spectrum) show_spectra(picture_, setup::spectra_of(one.session));
+}
+
+void ShownTouch::show_skin(const setup::TouchInput& input, std::span<const geometry::Solid> solids,
+                           const touch::Touch& touch) {
+  std::vector<sensing::SkinPoint> points = points_near(input, solids), flying;
+  if (!input.cameras.empty()) {
+    const sensing::RayTables rays = sensing::make_rays(input.cameras);
+    const std::vector<touch::SightCamera> cameras = touch::sight_cameras(input.cameras, rays);
+    part_flying({cameras, rays, input.frames}, points, flying);
+  }
+  show_touch(picture_, solids, points, touch);
+  for (const sensing::SkinPoint& point : flying)
+    picture_.dropped_points.push_back(point.position);
+  picture_.dropped_count = flying.size();
+  picture_.skin_count = input.point_count - flying.size();
+  if (!picture_.fingers.empty()) return;
+  const auto nearest = setup::nearest_skin(solids, input);
+  picture_.untouched = why_untouched(
+      picture_, nearest ? "the nearest skin is " + setup::place_of(*nearest, solids) : "there is no skin");
+  log::warning("nothing touches: " + picture_.untouched);
+}
+
+/// Warns if most of the points are nowhere near the mesh: those of a hand with the mesh of a finger.
+void ShownTouch::warn_of_other_skin(const ViewerOptions& options, const geometry::Mesh& skin) const {
+  constexpr double far_m = 5e-3;
+  constexpr std::size_t most = 2000;
+  if (options.input.points.empty() || options.input.scene.empty()) return;
+  std::vector<Vec3> points;
+  for (const glm::vec3& point : picture_.skin_points)
+    points.emplace_back(point);
+  for (const ContactMark& contact : picture_.contacts)
+    points.emplace_back(contact.position);
+  const geometry::NearestTriangle surface(skin);
+  const std::size_t step = 1 + points.size() / most;
+  std::size_t looked = 0, far = 0;
+  for (std::size_t i = 0; i < points.size(); i += step, ++looked)
+    far += surface.distance(points[i], far_m) >= far_m ? 1 : 0;
+  if (2 * far > looked)
+    log::warning(
+        fmt::format("--skin {} is not the surface of --points {}: {:.0f} % of the points are more than {:g} mm "
+                    "from it",
+                    options.skin, options.input.points, 100.0 * far / looked, far_m * 1e3));
 }
 
 void ShownTouch::load_skin_surface(const ViewerOptions& options) {
@@ -94,6 +136,7 @@ void ShownTouch::load_skin_surface(const ViewerOptions& options) {
     for (Vec3& p : mesh.positions)
       p.y += skin_lowered_m_;
   }
+  warn_of_other_skin(options, mesh);
   picture_.skin = SurfaceMark{std::filesystem::path(options.skin).stem().string(), std::move(mesh)};
 }
 

@@ -40,7 +40,9 @@ class ShownTouch {
 
  private:
   void load_objects(const ViewerOptions& options);
+  void show_skin(const setup::TouchInput& input, std::span<const geometry::Solid> solids, const touch::Touch& touch);
   void load_skin_surface(const ViewerOptions& options);
+  void warn_of_other_skin(const ViewerOptions& options, const geometry::Mesh& skin) const;
   void load_array(const ViewerOptions& options);
   void take_array(const array::Layout& layout, const Transform& T_world_layout);
 

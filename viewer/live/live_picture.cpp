@@ -15,6 +15,7 @@ void show_live(Picture& picture, const LiveScene& scene, const Snapshot& snapsho
     named[i].name = scene.solid_names[i];
   show_touch(picture, named, seen.skin.points, snapshot.touch);
   picture.skin_count = seen.skin.points.size();
+  picture.untouched = why_untouched(picture, seen.untouched);
   picture.dropped_points.clear();
   for (const sensing::SkinPoint& point : seen.skin.leavings)
     picture.dropped_points.push_back(point.position);

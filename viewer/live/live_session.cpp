@@ -17,6 +17,7 @@
 #include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"
 #include "touch/contacts/prepared_solids.hpp"
+#include "viewer/picture/flying.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -121,6 +122,7 @@ void LiveSession::publish_scene(setup::LiveRun& run) {
   for (const geometry::Solid& solid : run.session().solids())
     boxes_.push_back(solid.bounds);
   rays_ = sensing::make_rays(scene->cameras);
+  sight_ = touch::sight_cameras(scene->cameras, rays_);
   surroundings_ = session::surroundings_of(run.session().setting());
   look_around(scene->cameras);
   const std::lock_guard lock(mutex_);
@@ -215,9 +217,10 @@ void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
     looked_around_ = placements_;
     poses = poses_;
   }
+  near_poses_ = std::move(poses);
   near_ = {};
   for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const Box here = i < poses.size() ? moved_box(boxes_[i], poses[i]) : boxes_[i];
+    const Box here = i < near_poses_.size() ? moved_box(boxes_[i], near_poses_[i]) : boxes_[i];
     if (glm::any(glm::greaterThan(glm::abs(here.centre()), Vec3(touch::out_of_reach_m)))) continue;
     near_.add(here.low - Vec3(shown_skin_m));
     near_.add(here.high + Vec3(shown_skin_m));
@@ -277,6 +280,7 @@ void LiveSession::count(const session::FrameReport& report) {
 // On the compute thread.
 void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
   count(report);
+  touches_ = report.touch->finger_count > 0;
   follow_poses(*session_);
   const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
   const std::chrono::milliseconds patience = taken_ < first_snapshots ? patience_.beginning : patience_.usual;
@@ -315,6 +319,12 @@ void LiveSession::saw(const sensing::FrameSet& set) {
     sensing::sample_skin(set.capsules, near_, next.skin.points);
   } else {
     sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
+    part_flying({sight_, rays_, set.frames}, next.skin.points, next.skin.leavings);
+  }
+  next.untouched.clear();
+  if (!touches_) {
+    if (!nearest_) nearest_.emplace(scene()->picture.solids);
+    next.untouched = nearest_->tell(next.skin.points, near_poses_);
   }
   seen_.publish();
   wake_();

@@ -23,8 +23,10 @@
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
 #include "setup/sessions/live_run.hpp"
+#include "touch/fingers/sight.hpp"
 #include "viewer/live/frame_gaps.hpp"
 #include "viewer/live/link_watch.hpp"
+#include "viewer/live/nearest_seen.hpp"
 #include "viewer/live/snapshot.hpp"
 #include "viewer/picture/picture.hpp"
 
@@ -161,6 +163,7 @@ class LiveSession final : session::RunObserver {
   std::atomic<LiveState> state_{LiveState::loading};
   std::atomic<bool> over_{false};
   std::atomic<bool> unattended_{false};
+  std::atomic<bool> touches_{false};                                         ///< a finger touches in the newest frame
   std::atomic<Clock::rep> looked_{Clock::now().time_since_epoch().count()};  ///< or when it was constructed
   std::atomic<std::uint64_t> taken_{0};                                      ///< snapshots
   std::atomic<bool> wants_snapshot_{true}, wants_seen_{true};
@@ -178,6 +181,9 @@ class LiveSession final : session::RunObserver {
   std::uint64_t looked_around_ = 0;
   Box near_;  ///< where skin is drawn
   sensing::RayTables rays_;
+  std::vector<touch::SightCamera> sight_;
+  std::optional<NearestSeen> nearest_;
+  std::vector<Transform> near_poses_;  ///< of the solids when it last looked around
   std::vector<sensing::Crop> crops_;
   sensing::Surroundings surroundings_;
   std::vector<shader::SkinVolume> volumes_;

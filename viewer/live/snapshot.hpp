@@ -58,7 +58,10 @@ struct Snapshot {
 struct Seen {
   std::uint64_t sequence = 0;
   sensing::FrameSet images;
-  sensing::SkinOfFrame skin;  ///< near the solids, and the points there that are no skin; indices ascend
+  /// Near the solids, and the points there that are no skin, flying pixels among them. Indices ascend, in the latter
+  /// within each kind.
+  sensing::SkinOfFrame skin;
+  std::string untouched;  ///< why nothing touches: how far the skin is from the solids; empty if something touches
 };
 
 }  // namespace palpa::viewer

@@ -18,6 +18,7 @@
 #include "setup/sessions/play.hpp"
 #include "viewer/live/live_line.hpp"
 #include "viewer/picture/chart.hpp"
+#include "viewer/picture/colour_bars.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -167,6 +168,9 @@ void add_options_without_window(CLI::App& app, ViewerOptions& o) {
       "--frames", o.frames, 1, 1'000'000,
       "number of frames to draw, a slot each, before it exits [no end; with --headless 1, and of a live run the "
       "first with a touch]");
+  how.flag("--at-touch", o.at_touch,
+           "the last frame waits up to 5 s for one of the run in which a finger touches [without --frames and "
+           "--interact, it waits]");
   how.text("--screenshot", o.screenshot, "FILE", "writes the last frame as PNG [no file]");
   how.text("--video", o.video, "FOLDER",
            "writes every picture, also those of a window, as PNG into a new folder: 000000.png and so on");
@@ -183,9 +187,11 @@ void relate_options(CLI::App& app) {
   line::need(app, {"--param"}, "--sensation");
   line::exclude(app, "--sensation", {"--scene", "--points", "--depth", "--rig", "--source", "--skin"});
   line::need(app, {"--target"}, "--eye");
-  line::need(app, {"--panels", "--screenshot", "--reference"}, "--headless");
+  line::need(app, {"--panels", "--screenshot", "--reference", "--at-touch"}, "--headless");
+  line::need(app, {"--at-touch"}, "--source");
   line::need(app, {"--threshold"}, "--reference");
   line::need(app, {"--monitor", "--screen", "--stereo"}, "--participant");
+  line::exclude(app, "--interact", {"--at-touch"});
   line::exclude(app, "--headless", {"--no-panels", "--monitor"});
   line::exclude(app, "--participant", {"--target", "--inset"});
   line::exclude(app, "--source", {"--points", "--depth", "--spectrum"});
@@ -249,9 +255,8 @@ namespace {
 
 /// Throws bad_usage for the first of these that is given; `reason` follows its name.
 void refuse_given(const ViewerOptions& o, std::initializer_list<const char*> names, const std::string& reason) {
-  for (const char* name : names) {
+  for (const char* name : names)
     if (o.given.contains(name)) throw bad_usage(fmt::format("{} {}", name, reason));
-  }
 }
 
 /// The same of all options under one of the headings.
@@ -440,11 +445,12 @@ Box home_of(const ViewerOptions& o, const Picture& picture, const ViewState& sta
 }
 
 Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const ViewState& state, const Size& size) {
+  const double ratio = o.pixel_ratio.value_or(1);
   Viewpoint viewpoint;
   viewpoint.orthographic = o.orthographic;
   if (o.inset && !picture.fingers.empty()) viewpoint.covered_right = inset_share;
-  if (state.layers.shows(Layer::legend))
-    viewpoint.covered_left = chart_share(picture, size.width, size.height, o.pixel_ratio.value_or(1));
+  if (state.layers.shows(Layer::legend)) viewpoint.covered_left = chart_share(picture, size.width, size.height, ratio);
+  viewpoint.covered_below = bars_share(picture, state.layers, size.width, size.height, ratio);
   if (!o.eye.empty()) {
     look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
     return viewpoint;

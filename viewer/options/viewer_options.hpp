@@ -64,6 +64,7 @@ struct ViewerOptions : setup::EyesOptions {
 
   bool headless = false;
   std::optional<std::uint32_t> frames;
+  bool at_touch = false;
   std::string size = "1280x800";
   std::optional<double> pixel_ratio;
   std::string screenshot, video, reference;

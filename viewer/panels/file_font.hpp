@@ -1,5 +1,5 @@
-// A TrueType font of the system as a font of Dear ImGui, for windows. Pictures without a window keep palpa's own
-// strokes, so that they look the same everywhere.
+// A TrueType font of the system as a font of Dear ImGui: that of the panels, in a window or without one. Without such a
+// font, panels have palpa's own strokes, as all other text of a picture has.
 #pragma once
 
 #include <optional>

@@ -31,6 +31,9 @@ void draw_log_panel(const PanelData& data);
 void draw_marks(const std::vector<FlatMark>& marks, const Area& free);
 void draw_toasts(const PanelData& data);
 void draw_opening(PanelData& data);
+/// The share of the free area's width, from the right, that it covers; 0 if it covers the middle because there is no
+/// room beside it. `line`: the height of a line of text, pixels.
+double welcome_share(double free_width, double line);
 void draw_welcome(PanelData& data);
 void draw_key_sheet(PanelData& data);
 void draw_file_picker(PanelData& data);

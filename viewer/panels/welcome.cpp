@@ -10,12 +10,25 @@
 
 namespace palpa::viewer {
 
+namespace {
+
+constexpr float panel_lines = 22, margin_lines = 1;  // lines of text
+
+}  // namespace
+
+double welcome_share(double free_width, double line) {
+  const double needed = double{panel_lines + 2 * margin_lines} * line;
+  return free_width >= 2 * needed ? needed / free_width : 0;
+}
+
 void draw_welcome(PanelData& data) {
   const Area free = free_area(data);
   const auto right = static_cast<float>(free.right), top = static_cast<float>(free.top);
   const auto bottom = static_cast<float>(free.bottom);
-  ImGui::SetNextWindowPos({right / 2, (top + bottom) / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  const float width = std::max(std::min(em(22), right - em(1)), 1.0f);
+  const auto beside = static_cast<float>(welcome_share(free.right, em(1)));
+  const float middle = beside > 0 ? right * (1 - beside / 2) : right / 2;
+  ImGui::SetNextWindowPos({middle, (top + bottom) / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  const float width = std::max(std::min(em(panel_lines), right - em(margin_lines)), 1.0f);
   ImGui::SetNextWindowSizeConstraints({width, 1}, {width, std::max(bottom - top - em(1), 1.0f)});
   ImGui::Begin("welcome", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |

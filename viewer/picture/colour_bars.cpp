@@ -11,7 +11,7 @@ namespace palpa::viewer {
 namespace {
 
 constexpr double left_of_all = 112, right_of_all = 210;  // points: axes and scale
-constexpr double above_axes = 80;
+constexpr double above_axes = 80, lowest = 34;
 constexpr double longest = 300, shortest = 150, step_up = 50;  // points
 constexpr double letters = 8, thick = 9;
 
@@ -41,11 +41,20 @@ void draw_bar(drawing::Ink& ink, const ColourBar& bar, const Vec2& at, double le
 
 }  // namespace
 
+double bars_share(const Picture& picture, const Layers& layers, double width, double height, double ratio) {
+  constexpr double most = 0.4, above = 30;  // a title with its backing
+  const int shown = (layers.shows(Layer::heat) ? 1 : 0) + (layers.shows(Layer::slice) ? 1 : 0);
+  if (shown == 0 || picture.transducers.empty() || !layers.shows(Layer::legend)) return 0;
+  const bool higher = width < ratio * (left_of_all + right_of_all + shortest);
+  const double points = lowest + (higher ? above_axes : 0) + (shown - 1) * step_up + above;
+  return std::min(most, ratio * points / std::max(height, 1.0));
+}
+
 void draw_bars(drawing::Ink& ink, const Picture& picture, const Layers& layers, double width, double height,
                double chart, const Theme& theme) {
   double left = std::max(ink.px(left_of_all), chart * width + ink.px(24));
   double room = width - ink.px(right_of_all) - left;
-  double y = height - ink.px(34);
+  double y = height - ink.px(lowest);
   if (room < ink.px(shortest) && chart == 0) {  // no room between axes and scale, so above them
     left = ink.px(22);
     room = width - 2 * left;

@@ -14,4 +14,8 @@ namespace palpa::viewer {
 void draw_bars(drawing::Ink& ink, const Picture& picture, const Layers& layers, double width, double height,
                double chart, const Theme& theme);
 
+/// The share of the picture's height, counted from below, that the bars of an array's sound take once they are there; 0
+/// if no layer with a bar is shown, or if there is no array. `ratio`: pixels per point.
+double bars_share(const Picture& picture, const Layers& layers, double width, double height, double ratio);
+
 }  // namespace palpa::viewer

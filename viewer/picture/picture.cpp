@@ -6,6 +6,7 @@
 #include <glm/vector_relational.hpp>
 
 #include "acoustics/felt/skin.hpp"
+#include "base/text.hpp"
 #include "viewer/picture/depth_image.hpp"
 
 namespace palpa::viewer {
@@ -106,6 +107,12 @@ void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::
     marks.section = section_of(finger);
     picture.fingers.push_back(std::move(marks));
   }
+}
+
+std::string why_untouched(const Picture& picture, const std::string& nearest) {
+  if (!picture.fingers.empty()) return {};
+  if (picture.contacts.empty()) return nearest;
+  return counted(picture.contacts.size(), "contact") + ", too few or too far apart for a finger";
 }
 
 void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements) {

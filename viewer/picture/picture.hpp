@@ -125,8 +125,9 @@ struct ImageMark {
 /// stays on the host when the rest is on the device.
 struct PictureNotes {
   std::string title;                ///< above the legend, may be empty
+  std::string untouched;            ///< why nothing touches; empty if something does, or if nobody looked
   std::uint64_t skin_count = 0;     ///< all skin points, including contacts and distant ones
-  std::uint64_t dropped_count = 0;  ///< points near the solids that are no skin
+  std::uint64_t dropped_count = 0;  ///< points near the solids that are no skin, or float beside it
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
   std::vector<TransducerMark> transducers;
@@ -142,7 +143,7 @@ struct Picture : PictureNotes {
   std::uint32_t tile_solid = 0;                  ///< the solid that has the tile
   std::optional<SurfaceMark> skin;               ///< the finger's or hand's surface, drawn faintly
   std::vector<glm::vec3> skin_points;            ///< those near the solids that are not contacts
-  std::vector<glm::vec3> dropped_points;         ///< near the solids, but no skin: on boards and the like; drawn grey
+  std::vector<glm::vec3> dropped_points;         ///< near the solids, but no skin: on boards, beside rims; faint
   float transducer_radius_m = 4.2e-3f;
   std::vector<BoardMark> boards;
   std::vector<ImageMark> images;
@@ -161,6 +162,9 @@ void show_solids(Picture& picture, std::span<const geometry::Solid> solids);
 /// `points` in ascending order of index; those that are contacts are drawn as contacts only.
 void show_touch(Picture& picture, std::span<const geometry::Solid> solids, std::span<const sensing::SkinPoint> points,
                 const touch::Touch& touch);
+/// Why nothing touches in the picture of show_touch: its contacts make no finger, or else what `nearest` says about the
+/// nearest skin. Empty if a finger touches.
+std::string why_untouched(const Picture& picture, const std::string& nearest);
 /// Foci in playing order, one voice and one placement per finger of `show_touch`, in its order.
 void show_schedule(Picture& picture, const array::Schedule& schedule, std::span<const touch::Placement> placements);
 /// What skin feels of each finger, in the order of `show_touch`.

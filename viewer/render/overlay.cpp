@@ -254,7 +254,10 @@ Vec2 draw_legend(Ink& ink, const Picture& picture, const Layers& layers, double 
     ink.text(entry.words, {x + indent, y}, text_size, theme.ink);
     y += line_height;
   }
-  return high;
+  if (picture.untouched.empty()) return high;
+  // Without a backing: the line is long, and the finger is often behind it.
+  ink.label(cut_to("nothing touches: " + picture.untouched, letters, room), {x, y + ink.px(4)}, text_size, theme.ink);
+  return high + Vec2(0, line_height);
 }
 
 /// Phase as hue around a wheel, amplitude as brightness from its centre outwards. At the top right; below the legend if

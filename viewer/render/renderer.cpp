@@ -175,7 +175,7 @@ View close_up(const Viewpoint& viewpoint, const Box& box, std::uint32_t width, s
   View view{viewpoint, {}, true};
   view.area.extent = {static_cast<std::uint32_t>(w), static_cast<std::uint32_t>(h)};
   view.area.offset = {static_cast<std::int32_t>(width - w - margin), static_cast<std::int32_t>(height - h - below)};
-  view.viewpoint.covered_left = view.viewpoint.covered_right = 0;
+  view.viewpoint.covered_left = view.viewpoint.covered_right = view.viewpoint.covered_below = 0;
   fit(view.viewpoint, box, w / h);
   return view;
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "base/log.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "viewer/app/app.hpp"
+#include "viewer/panels/file_font.hpp"
 #include "viewer/render/offscreen.hpp"
 #include "viewer/run/drawing_threads.hpp"
 #include "viewer/run/film.hpp"
@@ -68,38 +70,72 @@ class Easel {
   PicturesDrawn drew_;
 };
 
-/// Draws a live run's frames as they come, until the end of the run if there are fewer than `frames`.
-void draw_frames(App& app, Easel& easel, std::uint32_t frames, const std::function<double()>& now) {
-  while (easel.drew().ms.count() < frames && !app.quitting()) {
+/// Waits for the next frame of a live run. Returns false if there is none until the run ends, or until `until_s`.
+bool next_frame(App& app, const Size& size, const std::function<double()>& now, double until_s) {
+  while (!app.quitting() && now() < until_s) {
     const LiveState state = app.data().content.run.state;
-    app.advance(now(), easel.size());
-    if (app.showed_frame()) {
-      easel.draw(app, now());
-    } else if (state == LiveState::failed || state == LiveState::ended) {
-      return;
-    } else {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
+    app.advance(now(), size);
+    if (app.showed_frame()) return true;
+    if (state == LiveState::failed || state == LiveState::ended) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+
+/// Waits for a frame with a touch. If there is none within 5 s of the first frame, or until the end of the run, says
+/// why. Some sources have no frame at all: they are waited for a while longer. Returns false if the run has failed, or
+/// ended without a frame.
+bool touching_frame(App& app, const Size& size, const std::function<double()>& now) {
+  constexpr double longest_wait_s = 5, longest_start_s = 20;
+  const auto wait = [&] {
+    app.advance(now(), size);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  };
+  while (app.beginning() && !app.quitting())
+    wait();
+  bool shown = next_frame(app, size, now, now() + longest_start_s);
+  const double until_s = now() + longest_wait_s;
+  while (shown && app.picture().fingers.empty()) {
+    if (next_frame(app, size, now, until_s)) continue;
+    const std::string& why = app.picture().untouched;
+    log::warning(
+        fmt::format("nothing touched while the picture waited, for up to 5 s{}{}; --frames 1 takes a run's "
+                    "first picture",
+                    why.empty() ? "" : ": ", why));
+    return true;
+  }
+  if (!shown && app.data().content.run.state == LiveState::running) {
+    log::warning(fmt::format("no frame came within {:g} s: the picture shows none", longest_start_s));
+    shown = true;
+  }
+  return shown;
+}
+
+/// Waits until the sound that the picture shows is computed. Meanwhile, the picture keeps its frame, and the run ends:
+/// no array sounds for a picture.
+void complete(App& app, const Size& size, const std::function<double()>& now) {
+  if (!app.computes()) return;
+  app.hold();
+  for (app.advance(now(), size); app.computes() && !app.quitting(); app.advance(now(), size)) {
+    app.session()->all_off();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 
-/// Draws the first picture of a live run with a touch. If there is none within 5 s of the first frame, or until the end
-/// of the run, says so and draws what there is.
-void draw_touch(App& app, Easel& easel, const std::function<double()>& now) {
-  constexpr double longest_wait_s = 5;
-  std::optional<double> until_s;
-  while (!app.quitting()) {
-    const LiveState state = app.data().content.run.state;
-    app.advance(now(), easel.size());
-    if (app.showed_frame() && !until_s) until_s = now() + longest_wait_s;
-    const bool over = state == LiveState::failed || state == LiveState::ended;
-    if (until_s && !app.picture().fingers.empty()) return easel.draw(app, now());
-    if (over || (until_s && now() > *until_s)) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+/// Draws a live run's frames as they come, until the end of the run if there are fewer than --frames. The last one
+/// waits for its sound, and with --at-touch or without --frames for a touch.
+void draw_frames(App& app, Easel& easel, const ViewerOptions& options, const std::function<double()>& now) {
+  const std::uint32_t frames = options.frames.value_or(1);
+  const bool waits = options.at_touch || !options.frames;
+  while (easel.drew().ms.count() < frames && !app.quitting()) {
+    const bool last = easel.drew().ms.count() + 1 == frames;
+    const bool shown = last && waits ? touching_frame(app, easel.size(), now)
+                                     : next_frame(app, easel.size(), now, std::numeric_limits<double>::infinity());
+    if (!shown) return;
+    if (last) complete(app, easel.size(), now);
+    if (last && options.video.empty()) app.leave_room_for_close_up(easel.size());
+    easel.draw(app, now());
   }
-  if (!until_s) return;
-  log::warning("nothing touched while the picture waited, for up to 5 s; --frames 1 takes a run's first picture");
-  easel.draw(app, now());
 }
 
 /// Pictures for files. While anything is being loaded, on any thread, a file may turn out to be an input. Pictures are
@@ -177,17 +213,17 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
                  stopper.begin();
                  threads.give_way();
                },
-           .panels = options.panels});
+           .panels = options.panels,
+           .hands = !options.interact.empty()});
+  if (options.panels) app.use_font(system_font());
   if (options.is_live()) threads.give_way();
   threads.expect();
   const gpu::Device device(setup::device_options(options.common));
   threads.have_begun();
   Easel easel(options, device);
   const SilentEnd silent_end(stopper.flag());
-  if (options.interact.empty() && !options.frames) {
-    draw_touch(app, easel, now);
-  } else if (options.interact.empty()) {
-    draw_frames(app, easel, *options.frames, now);
+  if (options.interact.empty()) {
+    draw_frames(app, easel, options, now);
   } else {
     play(app, easel, std::move(script), now);
   }

@@ -75,17 +75,24 @@ void fit(Viewpoint& viewpoint, const Box& box, double aspect) {
   viewpoint.target = box.empty() ? Vec3(0) : box.centre();
   const Basis b = basis(viewpoint);
   const double tan_y = std::tan(viewpoint.fov / 2), free = 1 - viewpoint.covered_left - viewpoint.covered_right;
-  const double tan_x = tan_y * aspect * free;
+  const double tan_x = tan_y * aspect * free, tan_up = tan_y * (1 - viewpoint.covered_below);
   double distance = box.empty() ? 0.05 / tan_x : 0;
   for (const Vec3& corner : box.corners()) {
     if (box.empty()) break;
     const Vec3 p = corner - viewpoint.target;
     const double nearer = viewpoint.orthographic ? 0 : -glm::dot(p, b.forward);
     distance = std::max({distance, margin * std::abs(glm::dot(p, b.right)) / tan_x + nearer,
-                         margin * std::abs(glm::dot(p, b.up)) / tan_y + nearer});
+                         margin * std::abs(glm::dot(p, b.up)) / tan_up + nearer});
   }
   if (distance < 1e-6) distance = 0.05 / tan_x;
   viewpoint.distance = std::clamp(distance, least_distance, most_distance);
+}
+
+void cover_below(Viewpoint& viewpoint, double share, bool fixed) {
+  const double wider = (1 - viewpoint.covered_below) / (1 - share);
+  viewpoint.covered_below = share;
+  if (!fixed && !viewpoint.frustum)
+    viewpoint.distance = std::clamp(viewpoint.distance * wider, least_distance, most_distance);
 }
 
 void orbit(Viewpoint& viewpoint, double dx, double dy, double height) {
@@ -137,10 +144,14 @@ shader::ViewPush projection(const Viewpoint& viewpoint, double width, double hei
     push.window.z = static_cast<float>(height / (2 * tan_y));
   }
   const auto shift = static_cast<float>(viewpoint.covered_left - viewpoint.covered_right);
-  push.clip_x.x += shift * push.clip_w.x;
-  push.clip_x.y += shift * push.clip_w.y;
-  push.clip_x.z += shift * push.clip_w.z;
-  push.clip_x.w += shift * push.clip_w.w;
+  const auto move = [&](shader::vec4& row, float by) {
+    row.x += by * push.clip_w.x;
+    row.y += by * push.clip_w.y;
+    row.z += by * push.clip_w.z;
+    row.w += by * push.clip_w.w;
+  };
+  move(push.clip_x, shift);
+  move(push.clip_y, -static_cast<float>(viewpoint.covered_below));
   push.window.x = static_cast<float>(width);
   push.window.y = static_cast<float>(height);
   return push;

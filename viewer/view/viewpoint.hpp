@@ -19,9 +19,9 @@ struct Viewpoint {
   double distance = 0.3;          ///< metres from eye to target
   double fov = 0.44;              ///< vertical field of view, radians
   bool orthographic = false;      ///< parallel projection that shows the target as large as the perspective does
-  /// Shares of the picture's width that something else covers. The target lies in the middle of the rest, undistorted
-  /// (a shifted lens).
-  double covered_left = 0, covered_right = 0;
+  /// Shares of the picture's width, and of its height, that something else covers. The target lies in the middle of the
+  /// rest, undistorted (a shifted lens).
+  double covered_left = 0, covered_right = 0, covered_below = 0;
   /// Replaces all of the above except the distance: the picture's scale bar is right at this distance. Anything that
   /// moves the viewpoint leaves the frustum, and the orbit goes on from there.
   std::optional<Frustum> frustum;
@@ -44,6 +44,10 @@ void look(Viewpoint& viewpoint, const Vec3& eye, const Vec3& target);
 /// Moves target and distance so that `box` just fits an image of that width / height, with a margin. An empty box or a
 /// point gives a view 10 cm wide.
 void fit(Viewpoint& viewpoint, const Box& box, double aspect);
+
+/// From now on, that share of the height is covered. The rest shows what the whole of it showed before: the eye moves
+/// away from the target, unless it is `fixed`.
+void cover_below(Viewpoint& viewpoint, double share, bool fixed);
 
 /// Mouse: turns by a drag in pixels (a drag over `height` pixels is half a turn).
 void orbit(Viewpoint& viewpoint, double dx, double dy, double height);

@@ -9,8 +9,8 @@
 
 namespace palpa {
 
-/// The real-time priorities of the thread that hands drives over, of the guard of a board, which goes before it, and of an
-/// emulated board, because a real one does not wait for this machine's processors.
+/// The real-time priorities of the thread that hands drives over, of the guard of a board, which goes before it, and of
+/// an emulated board, because a real one does not wait for this machine's processors.
 inline constexpr int output_priority = 10, guard_priority = 11, emulated_priority = 12;
 
 /// How the system schedules a thread. `favoured`: before others by its niceness.

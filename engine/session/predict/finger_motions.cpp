@@ -41,11 +41,12 @@ void FingerMotions::see(const touch::Touch& touch, double time_s, const FramePai
       known.spread_m2 = 0;
       known.centroid = known.place = Vec3(finger.section.centroid);
     }
-    go_on(known, finger, time_s, old != before.end() ? frames : nullptr);
+    go_on(known, finger, time_s, old != before.end() ? frames : nullptr, frames == nullptr);
   }
 }
 
-void FingerMotions::go_on(Known& known, const touch::Finger& finger, double time_s, const FramePair* frames) {
+void FingerMotions::go_on(Known& known, const touch::Finger& finger, double time_s, const FramePair* frames,
+                          bool tracked) {
   const Vec3 centroid(finger.section.centroid);
   const double spread = finger.section.eigenvalues[0];
   const bool other_size = spread > most_growth * known.spread_m2 || most_growth * spread < known.spread_m2;
@@ -65,7 +66,7 @@ void FingerMotions::go_on(Known& known, const touch::Finger& finger, double time
     known.filter.restart();
   }
   known.place += step;
-  known.filter.see(time_s, known.place);
+  known.filter.see(time_s, known.place, tracked);
   known.centroid = centroid;
   known.spread_m2 = spread;
   known.time_s = time_s;

@@ -41,7 +41,7 @@ class FingerMotions {
     double spread_m2 = 0;  ///< the first eigenvalue of its cross-section
     Box box;
   };
-  void go_on(Known& known, const touch::Finger& finger, double time_s, const FramePair* frames);
+  void go_on(Known& known, const touch::Finger& finger, double time_s, const FramePair* frames, bool tracked);
 
   std::vector<Known> known_, before_;  ///< in the order of the frame's fingers
   std::uint32_t count_ = 0;

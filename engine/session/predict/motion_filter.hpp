@@ -2,13 +2,15 @@
 // velocity, with a gate for the velocity. docs/notes/prediction-errors.md says what it gains and why other filters were
 // not taken.
 //
-// Each axis has the state (x, v). Between two frames, white acceleration of the spectral density q^2 acts on it:
+// Each axis has the state (x, v). Between two frames, white acceleration of the spectral density a q^2 acts on it:
 //
-//   x += v dt,  P += q^2 (dt^3 / 3, dt^2 / 2; dt^2 / 2, dt),  and then the measurement z with the variance sigma^2
+//   x += v dt,  P += a q^2 (dt^3 / 3, dt^2 / 2; dt^2 / 2, dt),  and then the measurement z with the variance sigma^2
 //
-// The three axes have the same P. The point is predicted for `ahead_s` after the newest frame as
+// The three axes have the same P. For cameras, a is 1. For trackers, it falls, down to 0.02, while z is where it is
+// expected, so that slow motion that is even is known exactly. It is 1 as soon as z is elsewhere. The point is
+// predicted for `ahead_s` after the newest frame as
 //
-//   x + 0.9 g ahead_s v,  g = |v|^4 / (|v|^4 + v0^4),  v0^2 = 12 P_vv
+//   x + (1 - 0.1 a) g ahead_s v,  g = |v|^n / (|v|^n + v0^n),  v0^2 = 12 P_vv,  n = 4, for trackers 8
 //
 // so a velocity that could be noise predicts nothing: v0^2 is four times the variance of the speed, 3 P_vv. The filter
 // knows this variance itself, so the gate follows the rate of the frames and the noise without a setting. The factor
@@ -29,7 +31,8 @@ class MotionFilter {
 
   /// The place in metres, seen at `time_s`. Restarts if the time goes back, or after a pause. Another place at the time
   /// of the last one improves the place and the velocity no more than a second measurement can.
-  void see(double time_s, const Vec3& place_m);
+  /// `tracked`: by a tracker, whose places are smooth, so slow motion is predicted by the whole of its way.
+  void see(double time_s, const Vec3& place_m, bool tracked = false);
   /// Forgets everything.
   void restart() { known_ = false; }
 
@@ -43,11 +46,15 @@ class MotionFilter {
   static constexpr double most_speed = 3;  ///< m/s; no hand on an object is faster
 
  private:
+  void accelerate(double density, double dt);
+
   double sigma2_;
   bool known_ = false;
   double time_s_ = 0;
   Vec3 place_{0}, velocity_{0};
   double pxx_ = 0, pxv_ = 0, pvv_ = 0;
+  double share_ = 1;  ///< a
+  bool tracked_ = false;
 };
 
 }  // namespace palpa::session

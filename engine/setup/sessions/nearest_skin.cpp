@@ -45,10 +45,13 @@ std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids,
   return nearest;
 }
 
-std::string place_of(const NearestSkin& nearest, std::span<const geometry::Solid> solids) {
+std::string place_of(const NearestSkin& nearest, const std::string& solid) {
   return fmt::format("{:.1f} mm {} the surface of {}{}", nearest.distance_m * 1e3,
-                     nearest.inside ? "below" : "away from", solids[nearest.solid].name,
-                     nearest.inside ? ", deeper than its shell" : "");
+                     nearest.inside ? "below" : "away from", solid, nearest.inside ? ", deeper than its shell" : "");
+}
+
+std::string place_of(const NearestSkin& nearest, std::span<const geometry::Solid> solids) {
+  return place_of(nearest, solids[nearest.solid].name);
 }
 
 }  // namespace palpa::setup

@@ -22,6 +22,7 @@ struct NearestSkin {
 /// that may be the nearest.
 std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids, const TouchInput& input);
 /// "0.5 mm away from the surface of cube".
+std::string place_of(const NearestSkin& nearest, const std::string& solid);
 std::string place_of(const NearestSkin& nearest, std::span<const geometry::Solid> solids);
 
 }  // namespace palpa::setup

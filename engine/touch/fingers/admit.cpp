@@ -119,16 +119,44 @@ struct Admission {
   }
 };
 
-/// Skin of known fingers that does not become a finger of its own is the heir's. Returns which fingers grow by it.
-PerFinger give_to_heirs(const Claims& claims, const PerFinger& stays, const FingerSkins& skins, Touch& out) {
+/// Whether a contact of one finger is within the finger gap of one of the other's.
+bool are_next_to_each_other(const Touch& touch, const Finger& a, const Finger& b, double gap_m) {
+  const auto gap = static_cast<float>(gap_m);
+  return std::ranges::any_of(a.contacts, [&](std::uint32_t i) {
+    const glm::vec3& place = touch.contacts[i].position;
+    return std::ranges::any_of(b.contacts, [&](std::uint32_t other) {
+      return square_apart(place, touch.contacts[other].position) <= gap * gap;
+    });
+  });
+}
+
+/// The heir that gets the skin of `f`, which is no finger: that of the known finger to which it belongs; if it belongs
+/// to none, that of the nearest known finger, if both are within the finger gap.
+std::optional<std::uint32_t> heir_of_skin(const Admission& admission, std::uint32_t f) {
+  const Claims& claims = admission.claims;
+  const Finger& finger = admission.touch.fingers[f];
+  if (admission.skins[f].samples.empty()) return {};
+  if (claims.of[f]) return claims.heir[*claims.of[f]];
+  const WhichKnown beside = known_nearby(admission.known, finger.solid, admission.skins[f].samples);
+  if (!beside || !claims.heir[*beside]) return {};
+  const Finger& heir = admission.touch.fingers[*claims.heir[*beside]];
+  if (!are_next_to_each_other(admission.touch, finger, heir, admission.parameters.finger_gap_m)) return {};
+  return claims.heir[*beside];
+}
+
+/// Skin of known fingers, or beside them, that does not become a finger of its own is the heir's. Returns which fingers
+/// grow by it.
+PerFinger give_to_heirs(const Admission& admission, const PerFinger& stays, Touch& out) {
+  std::array<std::optional<std::uint32_t>, max_fingers> heirs{};
+  for (std::uint32_t f = 0; f < out.finger_count; ++f) {
+    if (!stays[f]) heirs[f] = heir_of_skin(admission, f);
+  }
   PerFinger grows{};
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
-    if (!claims.of[f] || stays[f] || skins[f].samples.empty()) continue;
-    const std::uint32_t heir = *claims.heir[*claims.of[f]];
-    if (!stays[heir]) continue;
-    std::vector<std::uint32_t>& all = out.fingers[heir].contacts;
+    if (!heirs[f] || !stays[*heirs[f]]) continue;
+    std::vector<std::uint32_t>& all = out.fingers[*heirs[f]].contacts;
     all.insert(all.end(), out.fingers[f].contacts.begin(), out.fingers[f].contacts.end());
-    grows[heir] = true;
+    grows[*heirs[f]] = true;
   }
   return grows;
 }
@@ -159,7 +187,7 @@ Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const
     stays[f] = admission.is_finger(f);
   admission.remember_islands();
   if (known.table) remember_missing(claims, stays, out, table, admission.ended);
-  const PerFinger grows = known.rules.whole ? give_to_heirs(claims, stays, skins, out) : PerFinger{};
+  const PerFinger grows = known.rules.whole ? give_to_heirs(admission, stays, out) : PerFinger{};
 
   Courses courses{};
   std::uint32_t kept = 0;

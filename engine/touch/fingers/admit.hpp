@@ -7,6 +7,8 @@
 //   (c) a cluster of no known finger, where one has just ended, with fewer than min_points contacts 0.3 mm deep.
 // - A cluster that is both (b) and (c) is no finger, even after 50 ms.
 // - Skin of a known finger that does not become a finger of its own is the heir's.
+// - Skin of no known finger that does not become one goes to the heir of the nearest one, if it is within the gap of
+//   that heir.
 #pragma once
 
 #include <array>

@@ -6,6 +6,8 @@
 #include <cstddef>
 
 #include "base/inplace_vector.hpp"
+#include "touch/fingers/walk.hpp"
+#include "touch/fingers/width_across.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -63,6 +65,8 @@ struct Pair {
 // The limits of patches that were one finger in the frame before are wider. That finger may be wider by the first
 // factor.
 constexpr float still_one = 1.2F;
+/// In finger widths: how wide patches with unbroken skin between them may be across the line from mean to mean.
+constexpr float wide_across = 1.2F;
 /// In place of the sum of cosines, for patches that are one only because they were one: less certain than any other.
 constexpr float held = 3;
 
@@ -142,12 +146,62 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
   return empty * 64 > looked * (were_one ? 24U : 6U);
 }
 
-Pair compare(const Sight& sight, const Patch& a, const Patch& b, float finger_width, bool were_one) {
-  if (were_one) finger_width *= still_one;
-  if (!near_enough(a, b, finger_width)) return {Pair::two};
-  if (is_too_wide(a, b, b.mean - a.mean, finger_width)) return {Pair::two};
-  const Pair pair = face(a, b, were_one);
-  return pair.kind != Pair::two && is_empty_between(sight, a, b, were_one) ? Pair{Pair::two} : pair;
+/// How wide both patches are across the line from mean to mean.
+float width_of_both(const Patch& a, const Patch& b) {
+  InplaceVector<glm::vec3, std::size_t{2} * most_samples> places;
+  for (const Patch* patch : {&a, &b}) {
+    for (const SkinSample& sample : *patch->samples)
+      places.push_back(sample.position);
+  }
+  return width_across(places, b.mean - a.mean);
+}
+
+/// Whether cameras see unbroken skin from one patch to the other: they see both ends of many lines between samples, and
+/// hardly ever a valley in between.
+bool is_unbroken(const Sight& sight, const Patch& a, const Patch& b) {
+  constexpr std::size_t lines = 5;  // from each sample of `a`
+  constexpr std::uint32_t enough = 30;
+  std::uint32_t walks = 0, valleys = 0;
+  InplaceVector<SeenSample, most_samples> there;
+  for (std::size_t c = 0; c < sight.cameras.size(); ++c) {
+    there.clear();
+    for (const SkinSample& sample : *b.samples)
+      there.push_back(seen_sample(sight, c, sample.position));
+    for (std::size_t s = 0; s < a.samples->size(); ++s) {
+      const SeenSample here = seen_sample(sight, c, (*a.samples)[s].position);
+      for (std::size_t line = 0; here.seen && line < std::min(lines, there.size()); ++line) {
+        const SeenSample& other = there[(s * 37 + 11 + line * there.size() / lines) % there.size()];
+        if (!other.seen) continue;
+        ++walks;
+        valleys += finds_valley(sight, c, here, other) ? 1 : 0;
+      }
+    }
+  }
+  return walks >= enough && 8 * valleys < walks;
+}
+
+/// Whether patches between which the skin is unbroken may become one in this frame. Two known fingers become one only
+/// if they have looked like one for some time.
+bool may_meet(const Known& known, const Patch& a, const Patch& b) {
+  if (!a.known || !b.known || a.known == b.known) return true;
+  known.doubt(*a.known, {.apart = true});
+  known.doubt(*b.known, {.apart = true});
+  return known.may_meet(*a.known) && known.may_meet(*b.known);
+}
+
+Pair compare(const Sight& sight, const Known& known, const Patch& a, const Patch& b, float finger_width,
+             bool were_one) {
+  const float widest = were_one ? still_one * finger_width : finger_width;
+  if (!near_enough(a, b, widest)) return {Pair::two};
+  Pair pair = face(a, b, were_one);
+  if (pair.kind == Pair::two) return pair;
+  const bool fits = !is_too_wide(a, b, b.mean - a.mean, widest) && !is_empty_between(sight, a, b, were_one);
+  if (fits && pair.kind == Pair::one) return pair;
+  // What is wider than a finger, or empty, in the direction from patch to patch may be along a finger.
+  pair.kind = fits ? Pair::unknown : Pair::two;
+  if (width_of_both(a, b) <= wide_across * finger_width && is_unbroken(sight, a, b) && may_meet(known, a, b))
+    pair.kind = Pair::one;
+  return pair;
 }
 
 /// Which patches belong to one finger.
@@ -217,8 +271,9 @@ void bridge_fingers(const Sight& sight, const FingerOptions& parameters, const K
       const bool same = patches[a].known && patches[a].known == patches[b].known;
       const bool were_one = same && !known.may_part(*patches[a].known);
       Pair& pair = joining.pair(a, b);
-      pair = out.fingers[a].solid == out.fingers[b].solid ? compare(sight, patches[a], patches[b], width, were_one)
-                                                          : Pair{Pair::two};
+      pair = out.fingers[a].solid == out.fingers[b].solid
+                 ? compare(sight, known, patches[a], patches[b], width, were_one)
+                 : Pair{Pair::two};
       if (!same || pair.kind == Pair::one) continue;
       known.doubt(*patches[a].known, {.several = true});
       if (were_one && !patches[a].samples->empty() && !patches[b].samples->empty()) pair = {Pair::one, held};

@@ -7,7 +7,9 @@
 //   of a convex body. The skin's outward normals come from the depth pictures.
 // - No camera saw that the space between them is empty, that is, no camera saw something clearly farther away in that
 //   direction.
-// The most certain pair is joined first. Two patches that cannot be one finger are never joined through a third one.
+// They are also joined if cameras see the skin between them: the rings of a finger through a plate, or the halves of
+// the ring of a finger that lies deep. The most certain pair is joined first. Two patches that cannot be one finger are
+// never joined through a third one.
 #pragma once
 
 #include "touch/fingers/known_labels.hpp"

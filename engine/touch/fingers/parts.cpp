@@ -1,9 +1,11 @@
 #include "touch/fingers/parts.hpp"
 
 #include <bit>
-#include <cmath>
 #include <optional>
 #include <utility>
+
+#include "touch/fingers/walk.hpp"
+#include "touch/fingers/width_across.hpp"
 
 namespace palpa::touch {
 namespace {
@@ -36,147 +38,6 @@ float square_of(float a) {
   return a * a;
 }
 
-// ---- what one camera sees between two samples ----
-
-/// A sample as one camera sees it.
-struct View {
-  glm::vec3 at;  ///< camera coordinates
-  int u, v;
-  bool seen;
-};
-
-View view_of(const Sight& sight, std::size_t c, const glm::vec3& place) {
-  const SightCamera& camera = sight.cameras[c];
-  const Appearance a = appearance(camera, place);
-  const std::uint32_t raw = raw_at(sight, c, a.u, a.v);
-  const float step = static_cast<float>(raw) * camera.depth_unit - a.depth;
-  return {seen_from(camera, place), static_cast<int>(a.u), static_cast<int>(a.v),
-          a.depth > 0 && raw >= camera.first_depth && std::abs(step) <= surface_step_m};
-}
-
-/// The pixels from one to another in equal steps, rounded to the nearest, halves up.
-class PixelSteps {
- public:
-  PixelSteps(int from, int to, int steps) : pixel_(from), rest_(steps), parts_(2 * steps) {
-    const int way = 2 * (to - from);
-    whole_ = way / parts_ - (way % parts_ < 0 ? 1 : 0);
-    part_ = way - whole_ * parts_;
-  }
-  std::uint32_t next() {
-    const int pixel = pixel_;
-    pixel_ += whole_;
-    rest_ += part_;
-    if (rest_ >= parts_) {
-      rest_ -= parts_;
-      ++pixel_;
-    }
-    return static_cast<std::uint32_t>(pixel);
-  }
-
- private:
-  int pixel_, rest_;  // the place is pixel_ + rest_ / parts_ - 1/2
-  int parts_, whole_, part_;
-};
-
-/// A walk over the picture from one sample to another: the skin's height towards the camera, above the straight line
-/// between the two. It looks for a valley.
-class Walk {
- public:
-  Walk(const View& a, const View& b) : a_(a), b_(b) {
-    steps_ = std::min(std::max(std::abs(b.u - a.u), std::abs(b.v - a.v)), most_steps);
-    const glm::vec3 way = b.at - a.at;
-    const float lateral = way.x * way.x + way.y * way.y;
-    const float square = glm::dot(way, way);
-    tilt_ = square > 0 ? std::sqrt(lateral / square) : 0;
-    least_ = noise_at(std::max(a.at.z, b.at.z));
-    stride_ = steps_ > 0 ? std::sqrt(lateral) / static_cast<float>(steps_) : 0;
-  }
-
-  bool finds_valley(const Sight& sight, std::size_t c) {
-    if (steps_ == 0) return false;
-    const SightCamera& camera = sight.cameras[c];
-    const std::array<float, most_steps + 1> line = line_depths();
-    PixelSteps u(a_.u, b_.u, steps_), v(a_.v, b_.v, steps_);
-    for (int step = 0; step <= steps_ && state_ != State::valley; ++step) {
-      const std::uint32_t raw = raw_at(sight, c, u.next(), v.next());
-      if (raw < camera.first_depth) {
-        pass_hole();
-      } else {
-        pass((line[static_cast<std::size_t>(step)] - static_cast<float>(raw) * camera.depth_unit) * tilt_);
-      }
-    }
-    return state_ == State::valley;
-  }
-
- private:
-  static constexpr int most_steps = 64;
-  enum class State {
-    begun,
-    one,     ///< one height is known
-    top,     ///< `level_` is the highest
-    bottom,  ///< it has fallen by `least_`; `level_` is the lowest height since
-    valley,  ///< it has risen again by as much
-  };
-
-  /// Depths of the straight line, step by step.
-  std::array<float, most_steps + 1> line_depths() const {
-    std::array<float, most_steps + 1> depths;
-    const float a = a_.at.z, b = b_.at.z, steps = static_cast<float>(steps_);
-    for (int step = 0; step <= most_steps; ++step)
-      depths[static_cast<std::size_t>(step)] = a * b / (b + static_cast<float>(step) / steps * (a - b));
-    return depths;
-  }
-
-  /// A gap without data also counts as a valley if it is wide.
-  void pass_hole() {
-    hole_ += stride_;
-    if (hole_ < 2e-3F || state_ >= State::bottom) return;
-    state_ = State::bottom;
-    level_ = -1;
-  }
-
-  /// The height at the next place of which the camera has data. Only two consecutive places make a height or a depth,
-  /// so a single pixel does not.
-  void pass(float height) {
-    const float high = std::min(before_, height), low = std::max(before_, height);
-    before_ = height;
-    hole_ = 0;
-    switch (state_) {
-      case State::begun:
-        state_ = State::one;
-        break;
-      case State::one:
-        level_ = high;
-        state_ = State::top;
-        break;
-      case State::top:
-        level_ = std::max(level_, high);
-        if (level_ - low < least_) break;
-        level_ = low;
-        state_ = State::bottom;
-        break;
-      case State::bottom:
-        level_ = std::min(level_, low);
-        if (high - level_ >= least_) state_ = State::valley;
-        break;
-      case State::valley:
-        break;
-    }
-  }
-
-  const View &a_, &b_;
-  int steps_;
-  State state_ = State::begun;
-  float tilt_;   ///< the part of a difference in depth that is across the line
-  float least_;  ///< depth of a valley
-  float stride_;
-  float level_ = 0;
-  float before_ = 0;  ///< the height before
-  float hole_ = 0;    ///< width of the hole that the walk is in
-};
-
-// ---- groups of samples ----
-
 /// Whether skin at one of two samples is turned towards the other.
 bool face_each_other(const SkinSample& a, const SkinSample& b) {
   const float least = 0.4F;
@@ -207,6 +68,8 @@ bool are_fingers(const Evidence& valleys, float square, float finger_width, bool
 }
 
 constexpr int vote_rounds = 2;
+/// In finger widths: a part that is longer, or wider across its longest line, is no finger.
+constexpr float most_length = 4, most_width = 1.5F;
 
 /// Assigns the samples of a wide cluster to fingers.
 class Grouping {
@@ -255,16 +118,16 @@ class Grouping {
   }
 
   void look(const Sight& sight, std::size_t c) {
-    PerSample<View> views{};
+    PerSample<SeenSample> views{};
     for (std::size_t s = 0; s < count_; ++s)
-      views[s] = view_of(sight, c, samples_[s].position);
+      views[s] = seen_sample(sight, c, samples_[s].position);
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
         if (!views[a].seen || !views[b].seen) continue;
         looked_[a] |= only(b);
         looked_[b] |= only(a);
         // One camera that sees a valley is enough.
-        if ((valley_[a] & only(b)) != 0 || !Walk(views[a], views[b]).finds_valley(sight, c)) continue;
+        if ((valley_[a] & only(b)) != 0 || !finds_valley(sight, c, views[a], views[b])) continue;
         valley_[a] |= only(b);
         valley_[b] |= only(a);
       }
@@ -424,10 +287,14 @@ class Grouping {
     const PerSample<glm::vec3> means = means_inside();
     const PerSample<WhichKnown> label = labels_of_groups();
     const PartsOfKnown parts = parts_of_known(label);
+    const Set palms = groups_of_palms();
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
         if (!are_two_known(label[a], label[b])) continue;
-        if (are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true)) continue;
+        const bool of_palm = (palms & (only(a) | only(b))) != 0;
+        if (!of_palm &&
+            are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true))
+          continue;
         doubts_[*label[a]].apart = true;
         doubts_[*label[b]].apart = true;
       }
@@ -445,9 +312,37 @@ class Grouping {
     name_by_first(chosen);
   }
 
-  /// Joins parts between which no valley is seen, or whose insides are the same. The nearest parts come first.
+  /// Whether a group is longer than any finger, or wider across its longest line: it is part of a palm or of the back
+  /// of a hand.
+  bool is_of_palm(std::size_t head) const {
+    InplaceVector<glm::vec3, most_samples> places;
+    for (Set left = members_[head]; left != 0; left = rest_of(left))
+      places.push_back(samples_[first_of(left)].position);
+    float longest = 0;
+    glm::vec3 line(0);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        const float square = square_apart(places[i], places[k]);
+        if (square <= longest) continue;
+        longest = square;
+        line = places[i] - places[k];
+      }
+    }
+    return longest > square_of(most_length * width_) || width_across(places, line) > most_width * width_;
+  }
+  Set groups_of_palms() const {
+    Set palms = 0;
+    for (std::size_t h = 0; h < count_; ++h) {
+      if (members_[h] != 0 && is_of_palm(h)) palms |= only(h);
+    }
+    return palms;
+  }
+
+  /// Joins parts between which no valley is seen, or whose insides are the same, and whatever continues a palm. The
+  /// nearest parts come first.
   void settle() {
     for (;;) {
+      const Set palms = groups_of_palms();
       const PerSample<glm::vec3> means = means_inside();
       const PerSample<WhichKnown> label = labels_of_groups();
       std::optional<float> nearest;
@@ -457,7 +352,8 @@ class Grouping {
           if (members_[b] == 0) continue;
           const float square = square_apart(means[a], means[b]);
           const bool apart = are_two_known(label[a], label[b]);
-          if (are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
+          const bool of_palm = (palms & (only(a) | only(b))) != 0;
+          if (!of_palm && are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
           if (apart && !(fingers_.may_meet(*label[a]) && fingers_.may_meet(*label[b]))) continue;
           if (nearest && square >= *nearest) continue;
           nearest = square;

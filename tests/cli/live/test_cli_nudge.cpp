@@ -248,7 +248,8 @@ TEST_F(ByTouch, NothingIsSavedBeforeTheLastFocus) {
   EXPECT_EQ(left.exit_code, 0) << left.err;
   EXPECT_EQ(json::parse(left.out)["saved"], false);
   EXPECT_FALSE(std::filesystem::exists(file("new")));
-  for (const auto& [more, fault] : {std::pair("--at", "exclude each other"), {"--turn", "exclude each other"}})
+  for (const auto& [more, fault] : {std::pair("--at", "--at and --by-touch exclude each other"),
+                                    {"--turn", "--turn and --by-touch exclude each other"}})
     expect_failure(palpa_here(with(touch("q"), {more, std::string(more) == "--at" ? "0,0,1cm" : "90"})), 2, fault);
   expect_failure(palpa_here(with(touch("q"), {"--source", "joints:hands.jsonl"})), 2, "--by-touch goes with cameras");
 }

@@ -18,6 +18,7 @@
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/mesh/icosphere.hpp"
 #include "geometry/surface/surface.hpp"
+#include "support/barriers.hpp"
 #include "support/exhaustive.hpp"
 #include "support/hand_skin.hpp"
 #include "support/instrumented.hpp"
@@ -405,6 +406,13 @@ TEST(RigidCopies, EachReachesAsFarAsItsOwnDelta) {
   EXPECT_GT(deepest, 2e-3f);
   for (std::uint32_t s = 0; s < count; s += step)
     EXPECT_NEAR(found[0][s], found[1][s], 0.01 * found[1][s] + 2) << "copy " << s;
+}
+
+TEST(MissingBarriers, AreSeenAfterTheKernelOfSurfaces) {
+  const geometry::Mesh mesh = notched_cube();
+  const palpa::test::NoBarrierAfter none("contacts_surface");
+  const auto touch = [&] { touch_on(Backend::gpu, points_near(mesh, 300, 1), solid_of(mesh), {}, 1); };
+  EXPECT_CONTAINS(palpa::test::error_of(touch, Exit::failed), "which contacts_surface wrote");
 }
 
 TEST(ManySurfaces, HaveFewerCellsEach) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "touch/fingers/admit.hpp"
@@ -113,6 +114,19 @@ TEST(Admit, SkinThatBecomesNoFingerIsTheHeirs) {
   frames.add(38, 40, 6);
   frames.add(100, 100, 3);
   EXPECT_EQ(frames.admit(), Contacts{36});
+}
+
+TEST(Admit, SkinOfNobodyIsTheHeirsIfItIsWithinTheFingerGap) {
+  for (const auto& [island, contacts] : {std::pair{44U, Contacts{900 + 400}}, std::pair{60U, Contacts{900}}}) {
+    Frames frames;
+    frames.begin();
+    frames.add(10, 40, 30);
+    ASSERT_EQ(frames.admit(), Contacts{900});
+    frames.begin();
+    frames.add(10, 40, 30);
+    frames.add(island, 45, 20);
+    EXPECT_EQ(frames.admit(), contacts) << "it begins " << 0.83 * (island - 39) << " mm beside";
+  }
 }
 
 TEST(Admit, AnIslandThatIsMissingForAFrameDoesNotBeginAgain) {

@@ -111,6 +111,38 @@ TEST(Bridge, TwoFingersStayTwo) {
   }
 }
 
+TEST(Bridge, AFingerThroughAPlateIsOne) {
+  // Its rings on both faces of the plate are apart, but cameras see the skin between them.
+  for (const double thick_m : {8e-3, 14e-3}) {
+    const std::vector<geometry::Solid> plate{box({-0.1, -thick_m, -0.1}, {0.1, 0, 0.1}, "plate")};
+    for (const double tilt_deg : {0.0, 20.0, 50.0}) {
+      const std::vector<Press> through{{.press_m = 28e-3, .tilt_deg = tilt_deg}};
+      for (const int count : {1, 3}) {
+        const Cameras cameras = paper_cameras(count);
+        const Images images = images_of(cameras, through, 1);
+        EXPECT_GE(touch_of(plate, cameras, images, unbridged()).finger_count, 2U);
+        EXPECT_EQ(touch_of(plate, cameras, images).finger_count, 1U)
+            << 1e3 * thick_m << " mm, leans by " << tilt_deg << " degrees, " << count << " cameras";
+      }
+    }
+  }
+}
+
+TEST(Bridge, TheRingOfAFingerThatLiesHalfInsideIsOne) {
+  // Its far end is farther from the near one than a finger is wide.
+  const std::vector<geometry::Solid> plate{box({-0.1, -0.06, -0.1}, {0.1, 0, 0.1}, "plate")};
+  for (const double azimuth_deg : {0.0, 90.0, 200.0}) {
+    const std::vector<Press> sunk{{.press_m = 11e-3, .tilt_deg = 72, .azimuth_deg = azimuth_deg, .scale = 0.8}};
+    for (const int count : {1, 2}) {
+      const Cameras cameras = paper_cameras(count);
+      const Images images = images_of(cameras, sunk, 1);
+      EXPECT_EQ(touch_of(plate, cameras, images).finger_count, 1U)
+          << "it points to " << azimuth_deg << " degrees, " << count << " cameras, without bridging "
+          << touch_of(plate, cameras, images, unbridged()).finger_count;
+    }
+  }
+}
+
 TEST(Bridge, NeighboursSeenFromAboveStayTwo) {
   // Fingertips that reach sideways into a wall, 2 to 6 mm apart, one camera above: the tops of two rings.
   const std::vector<geometry::Solid> wall{box({-0.1, -0.1, -0.1}, {-0.006, 0.1, 0.1}, "wall")};

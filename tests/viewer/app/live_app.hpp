@@ -59,6 +59,7 @@ class LiveApp : public testing::Test {
     host.kinds.links.push_back(test::heard_link(heard_));
     host.stop = &stop_;
     host.panels = panels_;
+    host.hands = hands_;
     host.copy = [this](const std::string& text) { copied_ = text; };
     host.goes_live = [this] { ++went_live_; };
     app_ = std::make_unique<App>(options, size_, std::move(host));
@@ -146,6 +147,7 @@ class LiveApp : public testing::Test {
   fs::path folder_, scene_, other_;
   std::shared_ptr<test::HeardSound> heard_ = std::make_shared<test::HeardSound>();
   std::atomic<bool> stop_{false};
+  bool hands_ = true;
   double now_s_ = 0;
   int went_live_ = 0;
   std::string copied_;

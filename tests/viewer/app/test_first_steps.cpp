@@ -51,12 +51,18 @@ class FirstSteps : public LiveAppWithPanels {
 TEST_F(FirstSteps, AnEmptyWindowOffersTheObjects) {
   begin_empty();
   ASSERT_TRUE(app_->data().content.empty);
+  EXPECT_EQ(app_->title(), "");
+  ASSERT_EQ(app_->picture().fingers.size(), 1u) << "a finger on the cube plays meanwhile";
+  const auto running = app_->picture().fingers[0].running;
+  EXPECT_TRUE(goes_round_until([&] { return app_->picture().fingers[0].running != running; }));
+  EXPECT_FALSE(app_->data().content.can_start) << "it is no touch of the user's";
   for (const char* object : {"cube", "pyramid", "prism", "semi-sphere"})
     EXPECT_TRUE(place_of_widget(object)) << object;
   open_cube();
   EXPECT_EQ(went_live_, 1);
   EXPECT_EQ(options().source, "mouse");
   EXPECT_FALSE(app_->data().content.empty);
+  EXPECT_FALSE(app_->picture().skin);
   EXPECT_TRUE(has_said("holds a fingertip"));
   EXPECT_LT(app_->data().state.viewpoint.distance, 0.45) << "the cube is seen from near, although the array is large";
   key('f');

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 #include "session/plan/voice.hpp"
 #include "support/cameras.hpp"
+#include "viewer/picture/colour_bars.hpp"
+#include "viewer/picture/flying.hpp"
 #include "viewer/picture/palette.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/overlay.hpp"
@@ -200,6 +203,76 @@ TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {
   picture.fingers[0].running = 2;
   build_overlay(picture, {}, viewpoint, {640, 480, 1, false}, strokes);
   EXPECT_GT(strokes.size(), 2 * before - 10);  // added; the running one has its halo
+}
+
+TEST(Overlay, ColourBarsLeaveTheArrayFree) {
+  array::Layout layout;
+  for (const double x : {-0.1, 0.1}) {
+    for (const double z : {-0.1, 0.1})
+      layout.transducers.push_back({.position = {x, 0, z}, .axis = {0, 1, 0}});
+  }
+  Picture picture;
+  show_array(picture, layout);
+  Layers layers;
+  EXPECT_EQ(bars_share(picture, layers, 640, 480, 1), 0);
+  layers[Layer::heat].visible = layers[Layer::slice].visible = true;
+  picture.bars = {{Layer::heat, "heat", 1}, {Layer::slice, "slice", 1}};
+  for (const auto& [width, height, ratio] : {std::tuple(640, 480, 1.0), {1280, 800, 2.0}, {300, 400, 1.0}}) {
+    Viewpoint viewpoint = test::front_viewpoint();
+    look(viewpoint, StandardView::iso);
+    viewpoint.covered_below = bars_share(picture, layers, width, height, ratio);
+    fit(viewpoint, extent(picture, Extent::all), static_cast<double>(width) / height);
+    const auto view = projection(viewpoint, width, height);
+    double lowest = 0;
+    for (const TransducerMark& transducer : picture.transducers)
+      lowest = std::max(lowest, project(view, Vec3(transducer.position)).y);
+    std::vector<shader::ViewStroke> strokes;
+    drawing::Ink ink(ratio, theme_of(false).background, strokes);
+    draw_bars(ink, picture, layers, width, height, 0, theme_of(false));
+    ASSERT_FALSE(strokes.empty());
+    double highest = height;
+    for (const shader::ViewStroke& stroke : strokes)
+      highest = std::min<double>({highest, stroke.from.y, stroke.to.y});
+    EXPECT_LT(lowest, highest) << width;
+  }
+}
+
+TEST(Picture, SaysWhyNothingTouches) {
+  Picture picture;
+  EXPECT_EQ(why_untouched(picture, "it is far"), "it is far");
+  picture.contacts.resize(3);
+  EXPECT_EQ(why_untouched(picture, "it is far"), "3 contacts, too few or too far apart for a finger");
+  picture.fingers.resize(1);
+  EXPECT_EQ(why_untouched(picture, "it is far"), "");
+  std::vector<shader::ViewStroke> touched, untouched;
+  build_overlay(picture, {}, test::front_viewpoint(), {640, 480, 1, false}, touched);
+  picture.untouched = "it is far";
+  build_overlay(picture, {}, test::front_viewpoint(), {640, 480, 1, false}, untouched);
+  EXPECT_GT(untouched.size(), touched.size()) << "the legend has the line";
+}
+
+/// A wall at 0.4 m that fills the left half of an image, and a pixel on its own between it and what lies behind.
+TEST(Flying, PixelsBesideARimAreNoSkin) {
+  const sensing::Camera camera = test::pinhole("front", 32, 24, 40);
+  sensing::DepthFrame frame;
+  frame.depth.assign(32 * 24, 0);
+  std::vector<sensing::SkinPoint> points, flying;
+  const auto put = [&](std::uint32_t u, std::uint32_t v, std::uint16_t raw) {
+    frame.depth[v * 32 + u] = raw;
+    points.push_back({{}, v * 32 + u});
+  };
+  for (std::uint32_t v = 0; v < 24; ++v) {
+    for (std::uint32_t u = 0; u < 16; ++u)
+      put(u, v, 400);
+    if (v == 12) put(17, v, 450);
+  }
+  const std::size_t before = points.size();
+  const sensing::RayTables rays = sensing::make_rays({&camera, 1});
+  const std::vector<touch::SightCamera> cameras = touch::sight_cameras({&camera, 1}, rays);
+  part_flying({cameras, rays, {&frame, 1}}, points, flying);
+  ASSERT_EQ(flying.size(), 1u);
+  EXPECT_EQ(flying[0].index, 12u * 32 + 17);
+  EXPECT_EQ(points.size(), before - 1);
 }
 
 }  // namespace

@@ -135,6 +135,10 @@ TEST(Viewpoint, AShiftedLensMovesThePictureWithoutTurningIt) {
     EXPECT_NEAR(project(shifted, p).x, project(straight, p).x - 100, 1e-2);
     EXPECT_NEAR(project(shifted, p).y, project(straight, p).y, 1e-3);
   }
+  viewpoint.covered_right = 0;
+  viewpoint.covered_below = 0.25;
+  const auto raised = projection(viewpoint, 800, 600);
+  EXPECT_NEAR(project(raised, Vec3(0.03, 0.01, -0.02)).y, project(straight, Vec3(0.03, 0.01, -0.02)).y - 75, 1e-2);
 }
 
 TEST(Viewpoint, FrameFitsTheBoxWithAMarginBesideWhatCoversThePicture) {
@@ -150,16 +154,18 @@ TEST(Viewpoint, FrameFitsTheBoxWithAMarginBesideWhatCoversThePicture) {
     viewpoint.elevation = angle(random) / 2;
     viewpoint.covered_left = 0.1 * (i % 3);
     viewpoint.covered_right = 0.1 * (i % 5);
+    viewpoint.covered_below = 0.1 * (i % 4);
     fit(viewpoint, box, 1.5);
     const auto view = projection(viewpoint, 900, 600);
     const double middle = 450 * (1 + viewpoint.covered_left - viewpoint.covered_right);
     const double half = 450 * (1 - viewpoint.covered_left - viewpoint.covered_right);
+    const double up = 300 * (1 - viewpoint.covered_below);
     double widest = 0;
     for (int c = 0; c < 8; ++c) {
       const Projected p = project(
           view, {c & 1 ? box.high.x : box.low.x, c & 2 ? box.high.y : box.low.y, c & 4 ? box.high.z : box.low.z});
       ASSERT_TRUE(p.visible);
-      widest = std::max({widest, std::abs(p.x - middle) / half, std::abs(p.y - 300) / 300});
+      widest = std::max({widest, std::abs(p.x - middle) / half, std::abs(p.y - up) / up});
     }
     EXPECT_LT(widest, 0.95);
     EXPECT_GT(widest, 0.6);
@@ -172,6 +178,20 @@ TEST(Viewpoint, FrameFitsTheBoxWithAMarginBesideWhatCoversThePicture) {
   fit(viewpoint, point, 1.5);
   EXPECT_EQ(viewpoint.target, Vec3(1, 2, 3));
   EXPECT_GT(viewpoint.distance, 0.01);
+}
+
+TEST(Viewpoint, WhatCoversThePictureFromBelowHidesNothingOfIt) {
+  Viewpoint viewpoint;
+  const Vec3 top = viewpoint.target + 0.05 * basis(viewpoint).up;
+  const double from_middle = 300 - project(projection(viewpoint, 800, 600), top).y;
+  cover_below(viewpoint, 0.2, false);
+  const auto view = projection(viewpoint, 800, 600);
+  EXPECT_NEAR(project(view, viewpoint.target).y, 240, 1e-2);
+  EXPECT_NEAR(240 - project(view, top).y, 0.8 * from_middle, 0.02 * from_middle);
+  const double distance = viewpoint.distance;
+  cover_below(viewpoint, 0, true);
+  EXPECT_EQ(viewpoint.distance, distance) << "an eye that was given stays where it is";
+  EXPECT_NEAR(project(projection(viewpoint, 800, 600), viewpoint.target).y, 300, 1e-2);
 }
 
 TEST(Viewpoint, StaysUsableUnderWildMovement) {

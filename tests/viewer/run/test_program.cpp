@@ -26,8 +26,10 @@
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/json.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
+#include "viewer/picture/palette.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "viewer_here.hpp"
 
@@ -54,7 +56,9 @@ class Viewer : public DrawingTest {
     return path("script");
   }
   std::string ball(int finely) {
-    const geometry::Mesh mesh = geometry::icosphere(6e-3, finely);
+    geometry::Mesh mesh = geometry::icosphere(6e-3, finely);
+    for (Vec3& p : mesh.positions)
+      p.y += 6e-3;  // its tip is at the origin
     geometry::write_ply(path("ball.ply"), mesh.positions, mesh.triangles);
     return path("ball.ply");
   }
@@ -106,6 +110,72 @@ TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
   EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
   EXPECT_GT(drawing::mean_difference(drawing::read_png(path("p.png")), drawing::read_png(path("early.png"))), 0.02)
       << "panels and sheet";
+}
+
+/// How many pixels are within 2 % of that colour.
+std::size_t count_of(const drawing::Pixels& picture, const drawing::Colour& colour) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
+    const auto near = [&](std::size_t c, float wanted) {
+      return std::abs(picture.rgba[i + c] / 255.0F - wanted) < 0.02F;
+    };
+    count += near(0, colour.r) && near(1, colour.g) && near(2, colour.b) ? 1 : 0;
+  }
+  return count;
+}
+
+TEST_F(Viewer, APictureOfARunWaitsForATouchAndForItsSound) {
+  const Line run{"--scene",    cube_,         "--source", "synthetic:" + ball(7), "--layout", "autd3",
+                 "--headless", "--backend",   "cpu",      "--noise-free",         "--size",   "320x200",
+                 "--hide",     "array,legend"};
+  const auto orange = [](const drawing::Pixels& picture) { return count_of(picture, viewer::finger_colour(0)); };
+  EXPECT_GT(orange(pixels(run)), 20u) << "the finger's foci, in the close-up";
+  EXPECT_GT(orange(pixels(with(run, {"--frames", "2", "--at-touch"}))), 20u);
+  // Purple to red: the middle of the map, and nothing else in the picture.
+  const auto mapped = [](const drawing::Pixels& picture) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
+      const int red = picture.rgba[i], green = picture.rgba[i + 1], blue = picture.rgba[i + 2];
+      count += red > green + 40 && blue > green + 15 ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(mapped(pixels(run)), 0u);
+  EXPECT_GT(mapped(pixels(with(run, {"--show", "slice"}))), 20u);
+  EXPECT_GT(mapped(pixels(with(run, {"--show", "heat", "--eye", "0.03,0.01,0.06"}))), 20u);
+}
+
+TEST_F(Viewer, APictureThatWaitedForNothingSaysHowFarTheSkinWas) {
+  const Line take{"run",          "--scene",   cube_, "--frames", "5",          "--every-frame",
+                  "--noise-free", "--backend", "cpu", "--record", path("take"), "--quiet"};
+  ASSERT_EQ(palpa(take).exit_code, 0);
+  const geometry::SceneMesh low{"low", test::box({-0.02, -0.12, -0.02}, {0.02, -0.08, 0.02})};
+  geometry::write_glb(folder_ / "low.glb", std::span(&low, 1));
+  const Result run =
+      viewer({"--scene", path("low.glb"), "--source", "recording:" + path("take"), "--layout", "autd3", "--headless",
+              "--backend", "cpu", "--size", "320x200", "--every-frame", "--screenshot", path("p.png")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const std::string before = "nothing touched while the picture waited, for up to 5 s: the nearest skin is ";
+  const std::size_t at = run.err.find(before);
+  ASSERT_NE(at, std::string::npos) << run.err;
+  EXPECT_NEAR(std::atof(run.err.c_str() + at + before.size()), 80, 20);
+  EXPECT_CONTAINS(run.err, "mm away from the surface of low");
+}
+
+TEST_F(Viewer, AFingersSkinOnThePointsOfAHandIsTold) {
+  const geometry::Ply finger = geometry::read_ply(source_file("assets/finger.ply"));
+  std::vector<Vec3> hand = finger.positions;
+  for (const double x : {0.03, 0.06}) {
+    for (const Vec3& p : finger.positions)
+      hand.push_back(p + Vec3(x, 0.02, 0));
+  }
+  geometry::write_ply(path("hand.ply"), hand, {});
+  Line line = cube_touch({"--headless", "--skin", source_file("assets/finger.ply").string()});
+  EXPECT_EQ(viewer(line).err, "");
+  line[3] = path("hand.ply");
+  const Result run = viewer(line);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_CONTAINS(run.err, "finger.ply is not the surface of --points " + path("hand.ply"));
 }
 
 TEST_F(Viewer, FramesAdvanceTheRunningFocusAndAVideoIsEveryFrame) {

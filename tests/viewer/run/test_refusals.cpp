@@ -55,6 +55,8 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
       {touch_, {"--hold", "1s"}, "--hold goes with --source"},
       {touch_, {"--board-files", "/"}, "--board-files goes with --source"},
       {touch_, {"--axes", "covariance"}, "--axes goes with --source"},
+      {touch_, {"--at-touch"}, "--at-touch goes with --source"},
+      {live_, {"--at-touch", "--interact", "x"}, "exclude each other"},
       {touch_, {"--threshold", "0.1"}, "--threshold goes with --reference"},
       {touch_, {"--monitor", "1"}, "--monitor goes with --participant"},
       {touch_, {"--screen", "x.toml"}, "--screen goes with --participant"},
