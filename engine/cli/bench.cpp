@@ -92,12 +92,12 @@ std::string bench_table(const std::vector<bench::Row>& rows, const gpu::DeviceDe
 }
 
 void run_bench(const BenchCommand& o, const Extensions& extensions) {
-  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--svg", o.svg}});
   if (o.common.backend == setup::Backend::cpu)
     throw bad_usage("bench measures the GPU's passes, which --backend cpu does not have");
   if (!o.scene.empty() && o.suite != Suite::all && o.suite != Suite::surface)
     throw bad_usage("--scene goes with --suite surface or --suite all");
   if (!o.svg.empty() && o.suite != Suite::growth) throw bad_usage("--svg goes with --suite growth");
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--svg", o.svg}});
   std::optional<bench::Model> model;
   if (!o.scene.empty()) {
     const setup::Preparing progress(o.common.quiet);

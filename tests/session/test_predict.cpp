@@ -78,22 +78,6 @@ TEST(PredictChain, EndsWithAFingerThatLiftsAndBeginsNothing) {
   }
 }
 
-TEST(PredictChain, AFingerThatRisesForOneFrameAndStillTouchesIsNotSilent) {
-  // 0.8 mm deep; then, within a frame, 0.6 mm higher, as a noisy velocity says it of a finger at rest.
-  const ChainFilm film{"plate",
-                       [](double t) {
-                         return test::tip_at({0, t < 0.25 ? -0.8e-3 : -0.2e-3, 0});
-                       },
-                       0.5, 90, sensing::Noise::none};
-  std::size_t frames = 0;
-  for (const array::Schedule& schedule :
-       test::schedules_of(film, 0.04, [](std::uint64_t k) { return static_cast<double>(k) / 90; })) {
-    EXPECT_EQ(schedule.voice_count, 1U) << "frame " << frames;
-    ++frames;
-  }
-  EXPECT_EQ(frames, 45U);
-}
-
 TEST(PredictChain, ChangesNothingAtRest) {
   for (const double late_s : {0.01, 0.05}) {
     const ChainErrors errors = chain_errors(test::lifting_film(0), late_s, false);

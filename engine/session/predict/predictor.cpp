@@ -9,8 +9,6 @@ namespace {
 
 /// A finger may move by this much until its next image is kept.
 constexpr double image_margin_m = 10e-3;
-/// The noise of a velocity is much less than this.
-constexpr double slow_m_s = 0.08;
 
 }  // namespace
 
@@ -31,8 +29,6 @@ Ahead ahead_of(const std::optional<FirstSlot>& first, double latency_s, std::uin
 
 Predictor::Predictor(const PredictorSetting& setting)
     : setting_(setting), search_(setting.view, setting.solids, setting.parameters), before_(setting.view) {
-  for (auto* list : {&missed_, &missed_before_})
-    list->reserve(touch::max_fingers);
   boxes_.reserve(touch::max_fingers);
 }
 
@@ -44,21 +40,11 @@ void Predictor::keep(std::span<const sensing::DepthFrame> images, KeptFrames& ke
   kept.keep(setting_.view, images, boxes_);
 }
 
-/// Whether a finger sounds although none of its skin will touch. The noise of a small velocity can take skin off the
-/// surface for a frame, so a finger that holds and moves slowly ends with the second such frame.
-bool Predictor::goes_on(const touch::Finger& finger, const Vec3& velocity) {
-  missed_.push_back(finger.id);
-  return finger.holds && glm::length(velocity) < slow_m_s &&
-         std::ranges::find(missed_before_, finger.id) == missed_before_.end();
-}
-
 const touch::Touch& Predictor::see(const touch::Touch& seen, double time_s, const std::optional<FirstSlot>& first,
                                    KeptFrames& kept) {
   const bool images = kept.any();
   const FramePair pair{setting_.view, kept, before_};
   motions_.see(seen, time_s, images && before_.any() ? &pair : nullptr);
-  std::swap(missed_, missed_before_);
-  missed_.clear();
   made_.reset();
   moves_ = false;
   const std::optional<double> latency_s = setting_.options.latency_s ? setting_.options.latency_s
@@ -80,12 +66,12 @@ const touch::Touch& Predictor::see(const touch::Touch& seen, double time_s, cons
     ahead_.cluster_count = seen.cluster_count;
     for (std::uint32_t f = 0; f < seen.finger_count; ++f) {
       const std::uint32_t place = ahead_.finger_count;
-      const Vec3 velocity = velocity_[f], way = velocity * times_.foci_s;
+      const Vec3 way = velocity_[f] * times_.foci_s;
       made_->distance_m = std::max(made_->distance_m, glm::length(way));
-      const bool still = velocity == Vec3(0);
-      const bool touches = !still && images && search_.move(seen, f, way, kept, ahead_);
-      if (!touches && (still || !images || goes_on(seen.fingers[f], velocity))) add_moved(seen, f, way, ahead_);
-      if (ahead_.finger_count > place) velocity_[place] = velocity;
+      const bool still = velocity_[f] == Vec3(0);
+      const bool touches =
+          !still && images ? search_.move(seen, f, way, kept, ahead_) : (add_moved(seen, f, way, ahead_), true);
+      if (touches) velocity_[place] = velocity_[f];
     }
   }
   std::swap(before_, kept);

@@ -60,12 +60,9 @@ class Predictor {
   std::optional<Prediction> advance(array::Schedule& schedule) const;
 
  private:
-  bool goes_on(const touch::Finger& finger, const Vec3& velocity);
-
   PredictorSetting setting_;
   FingerMotions motions_;
   SecondSearch search_;
-  std::vector<std::uint32_t> missed_, missed_before_;  ///< ids of fingers without skin at their predicted places
   KeptFrames before_;
   std::vector<Box> boxes_;
   touch::Touch ahead_;

@@ -205,7 +205,7 @@ const std::set<std::string> not_tried{
     "a room, `low_m` and `high_m`", "`background_margin_m`", "distortion", "a camera's `exposure_s`",
     "a file that a model or a recording names", "a point source of `palpa scatter`, and other points that options name",
     "a point source of `palpa scatter`", "a phase in the file of `--drive`", "a focus of `palpa drive`",
-    "nulls (`--null`)", "a count; a name of a shape or method",
+    "nulls (`--null`)", "a count; a name of a shape or method", "the time at which a sensation starts, and its delay",
     "`measured_db`, `measured_ceiling` of a plan's `[level]`",
     // The limit depends on another option.
     "frames of `palpa calibrate --background`", "`palpa calibrate --frames`",
