@@ -41,7 +41,7 @@ struct SensationObject {
   std::unique_ptr<sensation::Sensation> made;
   sensation::PatternSensation* pattern = nullptr;  ///< of `made`, if it is one
   std::shared_ptr<OwnPath> own;
-  session::Transport transport;
+  session::SensationControl control;
   std::atomic<bool> stop{false}, playing{false};
 
   sensation::PatternSensation& needed_pattern(const char* what) const {
@@ -217,7 +217,7 @@ session::OutputStats open_and_play(SensationObject& o, const setup::PlayOptions&
   std::vector<sensation::Point> points;
   if (setup::is_offline(options)) points = setup::offline_points(*o.made, playing->setting, o.name);
   const std::vector<session::SourceKind> sources = driver::camera_sources();
-  return setup::play(options, *o.made, o.transport, *playing, points, sources, links, o.stop);
+  return setup::play(options, *o.made, o.control, *playing, points, sources, links, o.stop);
 }
 
 py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused, const py::kwargs& kwargs) {
@@ -227,7 +227,7 @@ py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused,
   setup::check(options);
   if (o->playing.exchange(true)) throw bad_usage("the sensation plays already: stop() ends that");
   o->stop = false;
-  if (!paused) o->transport.play(0);
+  if (!paused) o->control.play(0);
   o->made->take_changes();
   session::OutputStats stats;
   try {
@@ -252,7 +252,7 @@ py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused,
 
 py::list newest(const SensationObject& o, std::size_t most) {
   py::list points;
-  for (const sensation::Point& point : o.transport.newest(most)) {
+  for (const sensation::Point& point : o.control.newest(most)) {
     py::dict made;
     made["place"] = py::make_tuple(point.place_m.x, point.place_m.y, point.place_m.z);
     made["gain"] = point.gain;
@@ -329,7 +329,7 @@ void add_sensation(py::module_& m) {
           },
           "dict of str to float: the value of each parameter of a pattern, within its limits.")
       .def_property_readonly(
-          "playing", [](const SensationObject& o) { return o.playing && o.transport.plays(); },
+          "playing", [](const SensationObject& o) { return o.playing && o.control.plays(); },
           "bool: whether it plays, and is neither paused nor at its end.")
       .def("evaluate", &evaluate, py::arg("times"), py::arg("parameters") = py::none(), py::arg("details") = false,
            py::arg("seed") = 0, evaluate_doc)
@@ -357,12 +357,12 @@ void add_sensation(py::module_& m) {
           },
           py::arg("matrix"), "Apply a matrix of shape (4, 4) to places in millimetres, before the brush.")
       .def(
-          "start", [](SensationObject& o, double time, double delay) { o.transport.play(time, std::max(delay, 0.0)); },
+          "start", [](SensationObject& o, double time, double delay) { o.control.play(time, std::max(delay, 0.0)); },
           py::arg("time") = 0.0, py::arg("delay") = 0.0, "Play from this time on, in seconds, after a delay.")
       .def(
-          "pause", [](SensationObject& o) { o.transport.pause(); }, "Fall silent, and stay where it is.")
+          "pause", [](SensationObject& o) { o.control.pause(); }, "Fall silent, and stay where it is.")
       .def(
-          "follow", [](SensationObject& o, bool on) { o.transport.follow(on); }, py::arg("on"),
+          "follow", [](SensationObject& o, bool on) { o.control.follow(on); }, py::arg("on"),
           "Play on the hand of play(on=...), or not.")
       .def(
           "stop", [](SensationObject& o) { o.stop = true; }, "End play(), in silence.")

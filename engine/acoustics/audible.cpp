@@ -78,15 +78,16 @@ std::vector<double> radiated_power(const PlayedDrives& played, double q, const E
     silent[s] = std::ranges::all_of(played.drives.subspan(s * played.transducers, played.transducers),
                                     [](const array::TransducerDrive& one) { return one.amplitude == 0; });
   }
-  std::vector<double> power(begins.back());
-  std::vector<double> first(power.size());  // not yet as it repeats
+  std::vector<double> power(begins.back()), before(begins.back());
+  // Until the sound is as it repeats. Short cycles take many rounds, because a resonator follows within q / pi periods.
+  const auto rounds = static_cast<std::size_t>(std::ceil(20 * q / pi / static_cast<double>(power.size())));
   for (std::size_t t = 0; t < played.transducers; ++t) {
     Resonator resonator;
-    for (std::vector<double>* const round : {&first, &power}) {
+    for (std::size_t round = 0; round <= rounds; ++round) {
       for (std::size_t s = 0; s < slots; ++s) {
         const bool jumps = silent[s] != 0 && played.changes.silence_jumps;
         resonator.play(played.drives[s * played.transducers + t], played.changes, jumps, rest,
-                       std::span(*round).subspan(begins[s], begins[s + 1] - begins[s]));
+                       std::span(round < rounds ? before : power).subspan(begins[s], begins[s + 1] - begins[s]));
       }
     }
   }

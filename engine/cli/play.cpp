@@ -91,9 +91,9 @@ void run_play(const Extensions& extensions, const PlayOptions& o) {
         std::in_place,
         fmt::format("ended without finishing, one second after the signal: --link {} did not answer", o.link));
     log::release_warnings();
-    session::Transport transport;
+    session::SensationControl control;
     result.played =
-        setup::play(o, sensation, transport, *playing, points, extensions.sources, links, setup::Interrupt::flag());
+        setup::play(o, sensation, control, *playing, points, extensions.sources, links, setup::Interrupt::flag());
     interrupt.reset();
     relay.reset();
   }

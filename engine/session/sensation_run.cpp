@@ -126,9 +126,9 @@ class PlaceWatch {
 /// Makes the plans of a run: a frame is nothing but a moment.
 class SensationPlanner final : public Planner {
  public:
-  SensationPlanner(sensation::Sensation& sensation, Transport& transport, const SensationSetting& setting)
+  SensationPlanner(sensation::Sensation& sensation, SensationControl& control, const SensationSetting& setting)
       : sensation_(sensation),
-        transport_(transport),
+        control_(control),
         setting_(setting),
         count_(slots_ahead(setting)),
         points_(sensation, setting.output.slot_s, count_, setting.seed),
@@ -157,18 +157,18 @@ class SensationPlanner final : public Planner {
   void list(std::uint64_t from, std::uint64_t until, Plan& plan);
 
   sensation::Sensation& sensation_;
-  Transport& transport_;
+  SensationControl& control_;
   const SensationSetting& setting_;
   std::uint32_t count_;
   PointsAhead points_;
   PlaceWatch watch_;
   std::optional<SkinFrame> frame_;
   const touch::Touch nothing_;
-  std::optional<std::uint64_t> change_;  ///< of the transport, that is followed
+  std::optional<std::uint64_t> change_;  ///< of the control, that is followed
   bool plays_ = false, too_fast_ = false, warned_ = false;
   std::optional<std::uint64_t> end_;  ///< the slot in which it has ended
   std::atomic<double> end_s_{std::numeric_limits<double>::infinity()};
-  std::uint64_t told_ = 0;  ///< the slots before it have been told to the transport
+  std::uint64_t told_ = 0;  ///< the slots before it have been told to the control
   std::uint64_t hand_number_ = 0, redraw_ = 0;
   array::Drive drives_;  ///< of slot s at s % count
   array::DriveScratch scratch_;
@@ -187,7 +187,7 @@ void SensationPlanner::take_changes() {
 }
 
 void SensationPlanner::follow_changes(std::uint64_t next) {
-  const Transport::State now = transport_.now();
+  const SensationControl::State now = control_.now();
   if (change_ != now.number) {
     change_ = now.number;
     plays_ = now.plays;
@@ -206,7 +206,7 @@ void SensationPlanner::follow_changes(std::uint64_t next) {
 
 /// The hand on which it plays at that time, if there is one that is not out of date.
 Anchor::Seen SensationPlanner::hand(double at_s) const {
-  const bool follows = setting_.anchor != nullptr && transport_.now().follows;
+  const bool follows = setting_.anchor != nullptr && control_.now().follows;
   Anchor::Seen seen = follows ? setting_.anchor->now() : Anchor::Seen{};
   if (!(at_s < seen.captured_s + setting_.output.hold_s)) seen.T_array_hand.reset();
   return seen;
@@ -220,10 +220,10 @@ void SensationPlanner::tell_sounded(std::uint64_t next) {
     sensation::Point point = points_.at(told_);
     point.place_m = placed(point, setting_, seen.T_array_hand);
     point.gain = gain_of(point);
-    transport_.sounded(point);
+    control_.sounded(point);
     if (!point.stop) continue;
     if (!setting_.ends) {
-      transport_.ended(*change_);
+      control_.ended(*change_);
       plays_ = false;
     }
     return;
@@ -295,7 +295,7 @@ void SensationPlanner::make(std::uint64_t next, double begin_s, Plan& plan) {
   find_end();
   end_s_ = end_ && setting_.ends ? time_of(*end_) : std::numeric_limits<double>::infinity();
   const std::uint64_t until = std::min(from + count_, end_.value_or(from + count_));
-  const bool on_hand = setting_.anchor != nullptr && transport_.now().follows;
+  const bool on_hand = setting_.anchor != nullptr && control_.now().follows;
   const Anchor::Seen seen = hand(time_of(next));
   if (until <= next || (on_hand && !seen.T_array_hand)) return;
   plan.schedule.slot_s = output.slot_s;
@@ -378,10 +378,10 @@ std::vector<sensation::Point> points_of_slots(sensation::Sensation& sensation, c
   return points;
 }
 
-OutputStats run_sensation(sensation::Sensation& sensation, Transport& transport, Link& link,
+OutputStats run_sensation(sensation::Sensation& sensation, SensationControl& control, Link& link,
                           const SensationSetting& setting, std::atomic<bool>& stop, RunObserver& observer,
                           const Clock& clock) {
-  SensationPlanner planner(sensation, transport, setting);
+  SensationPlanner planner(sensation, control, setting);
   Moments moments(clock, std::min(between_plans_s, slots_ahead(setting) * setting.output.slot_s / 4), planner);
   LoopStats stats;
   run_loop(moments, planner, link, {.output = setting.output}, stop, {.observer = &observer}, stats, clock);

@@ -14,7 +14,7 @@
 #include "session/links/link.hpp"
 #include "session/loop/output.hpp"
 #include "session/loop/run_observer.hpp"
-#include "session/transport.hpp"
+#include "session/sensation_control.hpp"
 #include "session/watch/stats.hpp"
 
 namespace palpa::session {
@@ -41,7 +41,7 @@ inline constexpr std::uint32_t listed_slots = 72;
 /// `link` gets is all-zero, whatever happens. Errors of any thread are thrown here, after silence. Points that cannot
 /// be driven, or are out of the array's reach, are warned of once; so is a sensation that has become faster than
 /// sensation::most_hz, and is silent as long as it is.
-OutputStats run_sensation(sensation::Sensation& sensation, Transport& transport, Link& link,
+OutputStats run_sensation(sensation::Sensation& sensation, SensationControl& control, Link& link,
                           const SensationSetting& setting, std::atomic<bool>& stop, RunObserver& observer = no_observer,
                           const Clock& clock = real_clock());
 

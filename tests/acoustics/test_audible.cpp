@@ -94,6 +94,14 @@ TEST(Audible, ThePowerDipsAndReturnsAfterAJumpAsAResonatorDoes) {
   }
 }
 
+/// One short drive that repeats is a sound that never changes.
+TEST(Audible, AStillFocusWithoutAModulationIsSilent) {
+  const std::vector<array::TransducerDrive> still{{1, 0.5}, {0.7f, 2}};
+  for (const double slot_s : {0.3e-3, 1.5e-3}) {
+    EXPECT_EQ(to_text(ear_level({still, 2, slot_s, {}}, ear())), "below 0 dB(A)") << slot_s;
+  }
+}
+
 TEST(Audible, FollowsTheSquareOfAmplitudesAndTheDistance) {
   auto drives = ring_drives();
   EarOptions far = ear();

@@ -59,14 +59,14 @@ struct Playing {
   test::SteppedClock clock;
   array::Layout layout = test::small_layout();
   HeardLink link;
-  Transport transport;
+  SensationControl control;
   Anchor anchor;
   std::atomic<bool> stop{false};
   SensationSetting setting{
       .output = {.layout = layout, .drive = {.weighting = array::Weighting::uniform}, .slot_s = slot_s}};
 
   OutputStats run(sensation::Sensation& sensation) {
-    return run_sensation(sensation, transport, link, setting, stop, no_observer, clock);
+    return run_sensation(sensation, control, link, setting, stop, no_observer, clock);
   }
 };
 
@@ -136,13 +136,13 @@ TEST(SensationRun, PausesStartsAgainAndStartsElsewhere) {
   std::vector<double> from;
   std::uint64_t silent_since = 0, silent_until = 1;
   playing.link.before = [&](std::uint64_t slot) {
-    if (slot == 50) playing.transport.pause();
-    if (slot == 100) playing.transport.play(7);
-    if (slot == 150) playing.transport.play(2, 0.02);
+    if (slot == 50) playing.control.pause();
+    if (slot == 100) playing.control.play(7);
+    if (slot == 150) playing.control.play(2, 0.02);
     if (slot == 200) playing.stop = true;
     if (slot == 90) silent_since = playing.link.sounding();
     if (slot == 99) silent_until = playing.link.sounding();
-    if (slot == 140 || slot == 195) from.push_back(playing.transport.newest(1).at(0).pattern_s);
+    if (slot == 140 || slot == 195) from.push_back(playing.control.newest(1).at(0).pattern_s);
   };
   playing.run(sensation);
   EXPECT_EQ(silent_until, silent_since);
@@ -153,12 +153,12 @@ TEST(SensationRun, PausesStartsAgainAndStartsElsewhere) {
 }
 
 TEST(SensationRun, StartsAtNoTimeWithoutEnd) {
-  Transport transport;
+  SensationControl control;
   for (const double time_s : {std::nan(""), HUGE_VAL, -1.1e6, 1e18}) {
-    EXPECT_ERROR(transport.play(time_s), Exit::usage, "starts at a time of at most 1e+06 s");
-    EXPECT_ERROR(transport.play(0, time_s), Exit::usage, "starts at a time");
+    EXPECT_ERROR(control.play(time_s), Exit::usage, "starts at a time of at most 1e+06 s");
+    EXPECT_ERROR(control.play(0, time_s), Exit::usage, "starts at a time");
   }
-  EXPECT_EQ(transport.now().number, 0U);
+  EXPECT_EQ(control.now().number, 0U);
 }
 
 TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
@@ -185,7 +185,7 @@ TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   EXPECT_FALSE(sounds(121));  // and holds for 30 ms
   EXPECT_TRUE(sounds(162));
   EXPECT_FALSE(sounds(178));  // a frame without a hand
-  const auto point = playing.transport.newest(1);
+  const auto point = playing.control.newest(1);
   EXPECT_NEAR(point.at(0).pattern_s, 0.19, 0.02);  // its time went on
 }
 

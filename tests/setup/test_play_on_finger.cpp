@@ -87,8 +87,8 @@ TEST(PlayOnFinger, PlaysAtItsCentroidAndIsSilentWithoutIt) {
                                }};
   const auto links = setup::with_builtin(std::span(&kind, 1));
   const auto playing = setup::prepare_play(options, 0, "it", links);
-  session::Transport transport;
-  const session::OutputStats stats = setup::play(options, beside, transport, *playing, {}, {&held, 1}, links, stop);
+  session::SensationControl control;
+  const session::OutputStats stats = setup::play(options, beside, control, *playing, {}, {&held, 1}, links, stop);
   EXPECT_EQ(turns, 3);
   EXPECT_GT(stats.silent_drives, 0U);
   ASSERT_GE(places.size(), 120U);

@@ -267,7 +267,7 @@ drawing::Pixels sensation_picture(std::span<const sensation::Point> points, cons
                                                  counted(points.size(), "place"), 1e3 * setting.output.slot_s)}});
 }
 
-session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation, session::Transport& transport,
+session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation, session::SensationControl& control,
                           Playing& playing, std::span<const sensation::Point> offline,
                           std::span<const session::SourceKind> sources, std::span<const session::LinkKind> links,
                           std::atomic<bool>& stop) {
@@ -294,7 +294,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);
   warn_of_full_amplitude(o, o.link, *link);
   if (osc) osc->listen();
-  const session::OutputStats stats = session::run_sensation(sensation, transport, *link, setting, stop);
+  const session::OutputStats stats = session::run_sensation(sensation, control, *link, setting, stop);
   if (follower) follower->end();
   if (osc) osc->end();
   return stats;

@@ -91,9 +91,9 @@ drawing::Pixels sensation_picture(std::span<const sensation::Point> points, cons
                                   const std::string& title);
 
 /// Plays it live, or these points into a record. Throws as opening the link and the source do, and as the run does.
-session::OutputStats play(const PlayOptions& options, sensation::Sensation& sensation, session::Transport& transport,
-                          Playing& playing, std::span<const sensation::Point> offline,
-                          std::span<const session::SourceKind> sources, std::span<const session::LinkKind> links,
-                          std::atomic<bool>& stop);
+session::OutputStats play(const PlayOptions& options, sensation::Sensation& sensation,
+                          session::SensationControl& control, Playing& playing,
+                          std::span<const sensation::Point> offline, std::span<const session::SourceKind> sources,
+                          std::span<const session::LinkKind> links, std::atomic<bool>& stop);
 
 }  // namespace palpa::setup

@@ -41,7 +41,7 @@ class Anchor {
 inline constexpr double most_start_s = 1e6;
 
 /// Starts, pauses and moves a run in its time, from any thread.
-class Transport {
+class SensationControl {
  public:
   /// From now on, or `in_s` later, with silence until then: from the time `from_s` of the sensation. Throws bad_usage
   /// for times that are not finite, or are longer than most_start_s.
