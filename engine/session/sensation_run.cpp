@@ -151,7 +151,7 @@ class SensationPlanner final : public Planner {
   void tell_sounded(std::uint64_t next);
   void find_end();
   double gain_of(const sensation::Point& point) const { return point.stop || too_fast_ ? 0 : point.gain; }
-  Anchor::Seen hand(double at_s) const;
+  HandPlace::Seen hand(double at_s) const;
   void make(std::uint64_t next, double begin_s, Plan& plan);
   void fill(std::uint64_t from, std::uint64_t until, const std::optional<Transform>& hand, array::Voice& voice);
   void list(std::uint64_t from, std::uint64_t until, Plan& plan);
@@ -205,9 +205,9 @@ void SensationPlanner::follow_changes(std::uint64_t next) {
 }
 
 /// The hand on which it plays at that time, if there is one that is not out of date.
-Anchor::Seen SensationPlanner::hand(double at_s) const {
-  const bool follows = setting_.anchor != nullptr && control_.now().follows;
-  Anchor::Seen seen = follows ? setting_.anchor->now() : Anchor::Seen{};
+HandPlace::Seen SensationPlanner::hand(double at_s) const {
+  const bool follows = setting_.hand != nullptr && control_.now().follows;
+  HandPlace::Seen seen = follows ? setting_.hand->now() : HandPlace::Seen{};
   if (!(at_s < seen.captured_s + setting_.output.hold_s)) seen.T_array_hand.reset();
   return seen;
 }
@@ -215,7 +215,7 @@ Anchor::Seen SensationPlanner::hand(double at_s) const {
 /// Points whose slots have passed have sounded.
 void SensationPlanner::tell_sounded(std::uint64_t next) {
   const std::uint64_t least = next > count_ ? next - count_ : 0;  // older ones are not kept
-  const Anchor::Seen seen = hand(-std::numeric_limits<double>::infinity());
+  const HandPlace::Seen seen = hand(-std::numeric_limits<double>::infinity());
   for (told_ = std::max(told_, least); told_ < next; ++told_) {
     sensation::Point point = points_.at(told_);
     point.place_m = placed(point, setting_, seen.T_array_hand);
@@ -295,8 +295,8 @@ void SensationPlanner::make(std::uint64_t next, double begin_s, Plan& plan) {
   find_end();
   end_s_ = end_ && setting_.ends ? time_of(*end_) : std::numeric_limits<double>::infinity();
   const std::uint64_t until = std::min(from + count_, end_.value_or(from + count_));
-  const bool on_hand = setting_.anchor != nullptr && control_.now().follows;
-  const Anchor::Seen seen = hand(time_of(next));
+  const bool on_hand = setting_.hand != nullptr && control_.now().follows;
+  const HandPlace::Seen seen = hand(time_of(next));
   if (until <= next || (on_hand && !seen.T_array_hand)) return;
   plan.schedule.slot_s = output.slot_s;
   plan.schedule.time_s = time_of(from) - begin_s;

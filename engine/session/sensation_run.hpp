@@ -23,7 +23,7 @@ struct SensationSetting {
   OutputSetting output;           ///< its layout is posed in the world; its hold is that of the hand
   Transform T_world_array{1.0};   ///< from the sensation's frame
   std::optional<Vec3> at_m{};     ///< the place, instead of the sensation's own height
-  Anchor* anchor = nullptr;       ///< the hand on which it plays
+  HandPlace* hand = nullptr;      ///< the hand on which it plays
   bool upright = false;           ///< on a hand: keeps the array's axes
   bool listed = false;            ///< plans list their drives, for a link that plays plans
   bool ends = true;               ///< the run ends where the sensation ends; otherwise, it pauses there

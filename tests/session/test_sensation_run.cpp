@@ -60,7 +60,7 @@ struct Playing {
   array::Layout layout = test::small_layout();
   HeardLink link;
   SensationControl control;
-  Anchor anchor;
+  HandPlace hand;
   std::atomic<bool> stop{false};
   SensationSetting setting{
       .output = {.layout = layout, .drive = {.weighting = array::Weighting::uniform}, .slot_s = slot_s}};
@@ -163,15 +163,15 @@ TEST(SensationRun, StartsAtNoTimeWithoutEnd) {
 
 TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   Playing playing;
-  playing.setting.anchor = &playing.anchor;
+  playing.setting.hand = &playing.hand;
   playing.setting.output.hold_s = 0.03;
   auto sensation = moving();
   playing.link.before = [&](std::uint64_t slot) {
     Transform pose(1.0);
     pose[3] = Vec4(0, 0.02, 0.05, 1);
-    if (slot >= 20 && slot < 100 && slot % 10 == 0) playing.anchor.see(pose, playing.clock.now());
-    if (slot == 150) playing.anchor.see(pose, playing.clock.now());
-    if (slot == 165) playing.anchor.lose();
+    if (slot >= 20 && slot < 100 && slot % 10 == 0) playing.hand.see(pose, playing.clock.now());
+    if (slot == 150) playing.hand.see(pose, playing.clock.now());
+    if (slot == 165) playing.hand.lose();
     if (slot == 200) playing.stop = true;
   };
   playing.run(sensation);

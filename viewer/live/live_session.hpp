@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -11,26 +12,60 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "acoustics/air.hpp"
 #include "base/files/outputs.hpp"
+#include "geometry/mesh/nearest.hpp"
 #include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
+#include "sensing/skin_point.hpp"
 #include "sensing/surroundings.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
+#include "session/watch/sound_watch.hpp"
 #include "setup/sessions/live_run.hpp"
 #include "touch/fingers/sight.hpp"
 #include "viewer/live/frame_gaps.hpp"
-#include "viewer/live/link_watch.hpp"
-#include "viewer/live/nearest_seen.hpp"
 #include "viewer/live/snapshot.hpp"
 #include "viewer/picture/picture.hpp"
 
 namespace palpa::viewer {
+
+/// What a session's link was given, and whether it sounds. Written by the session's threads, read by the window's
+/// thread.
+struct LinkWatch {
+  std::atomic<std::uint64_t> drives{0}, silent{0};
+  session::SoundWatch sound;
+
+  /// One more drive has left.
+  void count(bool sounds, const session::HandOver& counts) {
+    sound.sent(sounds, counts.behind);
+    ++drives;
+    silent += sounds ? 0 : 1;
+  }
+  /// Nothing leaves any more.
+  void close() { sound.close(); }
+};
+
+/// How far the skin is from the solids that are shown, to say why nothing touches.
+class NearestSeen {
+ public:
+  /// `solids` are at rest and must outlive this.
+  explicit NearestSeen(std::span<const SurfaceMark> solids);
+
+  /// "the nearest skin is 31.0 mm away from the surface of cube", or that there is no skin. If there are more
+  /// than 4096 points, only every n-th counts. `poses` move the solids, by their index; those without a pose are at
+  /// rest.
+  std::string tell(std::span<const sensing::SkinPoint> points, std::span<const Transform> poses) const;
+
+ private:
+  std::span<const SurfaceMark> solids_;
+  std::vector<geometry::NearestTriangle> trees_;
+};
 
 /// What a session uses, once it is loaded.
 struct LiveScene {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/loop/output.hpp"
 

@@ -276,7 +276,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   if (!o.osc.empty()) setting.output.safety.gain_now = &osc.emplace(o.osc).gain();
   // Before a device starts its threads. Without one, this thread is ahead of what sounds, and may wait.
   if (o.on == On::finger) session::go_first();
-  session::Anchor anchor;
+  session::HandPlace hand;
   std::unique_ptr<HandFollower> follower;
   const std::vector<std::string> no_solids;
   session::LinkSetting link_setting{playing.posed, no_solids, setting.output.slot_s};
@@ -286,9 +286,9 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.steps = o.steps == Steps::on;
   link_setting.free_field = goes_ahead(o, playing.posed);
   if (o.on) {
-    setting.anchor = &anchor;
+    setting.hand = &hand;
     FrameOptions frames = o;
-    follower = follow_hand(*o.on, frames, sources, setting.T_world_array, anchor, stop);
+    follower = follow_hand(*o.on, frames, sources, setting.T_world_array, hand, stop);
   }
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
   if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);

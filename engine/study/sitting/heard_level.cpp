@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 #include "array/schedule.hpp"
 #include "geometry/haptics.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "array/layouts/board_play.hpp"
 #include "array/layouts/builtin_layouts.hpp"
-#include "array/layouts/played.hpp"
 #include "support/boards.hpp"
 
 namespace palpa::array {

@@ -1,4 +1,4 @@
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 
 #include <algorithm>
 #include <cassert>
