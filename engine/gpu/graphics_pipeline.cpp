@@ -79,7 +79,7 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = pipeline_layout;
+  info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
   PALPA_VK(vkCreateGraphicsPipelines(device.get(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
   ++device.pipelines_created;
