@@ -78,7 +78,7 @@ void check_pace(const BoardSpec& spec, std::size_t boards) {
   if (!spec.foci_move || spec.slot_s >= frame_s) return;
   throw bad_usage(
       fmt::format("link sonicsurface: a frame takes {:.1f} ms, so a slot of {:g} ms is too short; use --dwell {:g}ms, "
-                  "or --method single-focus, whose focus does not move",
+                  "or a focus that does not move, such as --method single-focus of palpa run",
                   1e3 * frame_s, 1e3 * spec.slot_s, std::ceil(1e3 * frame_s)));
 }
 

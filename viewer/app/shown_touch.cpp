@@ -49,12 +49,13 @@ std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std:
 
 }  // namespace
 
-ShownSensation::ShownSensation(const std::string& name, std::span<const std::string> parameters, double period_s,
-                               const Transform& T_world_array)
+ShownSensation::ShownSensation(const std::string& name, std::span<const std::string> parameters,
+                               const array::Layout& layout, const Transform& T_world_array)
     : name_(std::filesystem::path(name).stem().string()),
       sensation_(loaded(name, parameters)),
-      slot_s_(setup::usual_slot(setup::playable(sensation_.fastest_hz(), name), period_s)),
-      T_world_array_(T_world_array) {}
+      slot_s_(setup::usual_slot(setup::playable(sensation_.fastest_hz(), name), 1 / layout.frequency_hz)),
+      T_world_array_(T_world_array),
+      watch_(layout) {}
 
 void ShownSensation::evaluate(std::uint64_t slot) {
   std::vector<double> times;
@@ -65,6 +66,10 @@ void ShownSensation::evaluate(std::uint64_t slot) {
   const auto stop = std::ranges::find(points_.begin() + known, points_.end(), true, &sensation::Point::stop);
   whole_ = whole_ || stop != points_.end() || points_.size() >= setup::most_offline_slots;
   points_.erase(stop, points_.end());
+  for (auto point = points_.begin() + std::min(known, std::ssize(points_)); point != points_.end(); ++point) {
+    if (point->gain > 0 && !watch_.sounds(transform_point(T_world_array_, point->place_m))) point->gain = 0;
+  }
+  watch_.look();
   if (points_.empty()) points_.emplace_back();
 }
 
@@ -83,8 +88,7 @@ array::SlotFocus ShownSensation::show(Picture& picture, std::uint64_t slot) {
       fmt::format("{}: {:.4f} s, intensity {:.2f}", name_, static_cast<double>(now) * slot_s_, point.gain);
   picture.fingers = {std::move(marks)};
   const Vec3 place = transform_point(T_world_array_, point.place_m);
-  const bool sounds = array::drivable({.position = place});
-  return {.position = sounds ? place : Vec3(0), .gain = sounds ? static_cast<float>(point.gain) : 0};
+  return {.position = point.gain > 0 ? place : Vec3(0), .gain = static_cast<float>(point.gain)};
 }
 
 ShownTouch::ShownTouch(const ViewerOptions& options)
@@ -192,9 +196,10 @@ void ShownTouch::load_skin_surface(const ViewerOptions& options) {
 
 void ShownTouch::load_array(const ViewerOptions& options) {
   if (!options.sensation.empty()) {
-    setup::PlacedLayout placed = setup::load_placed_layout({.layout = options.layout});
-    sensation_.emplace(options.sensation, options.parameters, 1 / placed.layout.frequency_hz, placed.T_world_layout);
-    return take_array(placed.layout, placed.T_world_layout);
+    const setup::PlacedLayout placed = setup::load_placed_layout({.layout = options.layout});
+    take_array(placed.layout, placed.T_world_layout);
+    sensation_.emplace(options.sensation, options.parameters, *layout_, placed.T_world_layout);
+    return;
   }
   std::string name = options.layout;
   std::optional<Transform> pose;

@@ -13,6 +13,7 @@
 #include "array/schedule.hpp"
 #include "base/math.hpp"
 #include "sensation/played.hpp"
+#include "session/sensation_run.hpp"
 #include "session/session.hpp"
 #include "viewer/options/viewer_options.hpp"
 #include "viewer/picture/picture.hpp"
@@ -24,8 +25,8 @@ namespace palpa::viewer {
 /// A sensation as a picture, slot by slot: where the focus is, and where it was last.
 class ShownSensation {
  public:
-  /// `name` is a file or one of palpa's own, and the sound of the array has this period. Throws as palpa play.
-  ShownSensation(const std::string& name, std::span<const std::string> parameters, double period_s,
+  /// `name` is a file or one of palpa's own. The array, which stands in the world, has this pose. Throws as palpa play.
+  ShownSensation(const std::string& name, std::span<const std::string> parameters, const array::Layout& layout,
                  const Transform& T_world_array);
 
   double slot_s() const { return slot_s_; }
@@ -39,6 +40,7 @@ class ShownSensation {
   sensation::PatternSensation sensation_;
   double slot_s_;
   Transform T_world_array_;
+  session::PlaceWatch watch_;
   sensation::State state_ = sensation::State::at(0);
   std::vector<sensation::Point> points_;  ///< of the slots so far
   bool whole_ = false;                    ///< there are no others
