@@ -39,52 +39,6 @@ void resize(ShareScratch& scratch, std::size_t foci) {
   scratch.returns.resize(foci);
 }
 
-/// Fills `shares`; returns L. `growth` is K, rows of `loud.size()`. Foci with `counts` 0 get no share.
-double find_shares(std::span<const double> growth, std::span<const double> loud, std::span<const std::uint8_t> counts,
-                   double stiffness, double spread, std::span<double> shares, ShareScratch& scratch) {
-  const std::size_t foci = loud.size();
-  resize(scratch, foci);
-  std::ranges::copy(counts, scratch.takes.begin());
-  double level = 0;
-  for (std::uint32_t round = 0; round < share_rounds; ++round) {
-    for (std::size_t j = 0; j < foci; ++j) {
-      scratch.ones[j] = 1;
-      scratch.rest[j] = loud[j];
-    }
-    solve(growth, scratch.takes, stiffness * spread, scratch);
-    double ones = 0, rest = 0;
-    for (std::size_t j = 0; j < foci; ++j) {
-      ones += scratch.ones[j];
-      rest += scratch.rest[j];
-    }
-    level = ones > 0 ? (1 / stiffness + rest) / ones : 0;
-    for (std::size_t j = 0; j < foci; ++j)
-      shares[j] = stiffness * (level * scratch.ones[j] - scratch.rest[j]);
-    bool changed = false;
-    for (std::size_t j = 0; j < foci; ++j) {
-      bool takes = shares[j] > 0;
-      if (!scratch.takes[j]) {
-        double grows = 0;
-        for (std::size_t k = 0; k < foci; ++k)
-          grows += growth[j * foci + k] * std::max(0.0, shares[k]);
-        takes = counts[j] && loud[j] + grows / stiffness < level;
-      }
-      scratch.returns[j] = takes ? 1 : 0;
-      changed = changed || takes != (scratch.takes[j] != 0);
-    }
-    if (!changed) break;
-    std::ranges::copy(scratch.returns, scratch.takes.begin());
-  }
-  double sum = 0;
-  for (double& share : shares) {
-    share = std::max(0.0, share);
-    sum += share;
-  }
-  for (double& share : shares)
-    share = sum > 0 ? share / sum : 0;
-  return level;
-}
-
 /// Fills `shares`, of any sign and sum, so that every focus changes by `change`: K z = change.
 void find_changes(std::span<const double> growth, std::span<const double> change, std::span<const std::uint8_t> counts,
                   std::span<double> shares, ShareScratch& scratch) {
@@ -272,6 +226,51 @@ class Climb {
 };
 
 }  // namespace
+
+double find_shares(std::span<const double> growth, std::span<const double> loud, std::span<const std::uint8_t> counts,
+                   double stiffness, double spread, std::span<double> shares, ShareScratch& scratch) {
+  const std::size_t foci = loud.size();
+  resize(scratch, foci);
+  std::ranges::copy(counts, scratch.takes.begin());
+  double level = 0;
+  for (std::uint32_t round = 0; round < share_rounds; ++round) {
+    for (std::size_t j = 0; j < foci; ++j) {
+      scratch.ones[j] = 1;
+      scratch.rest[j] = loud[j];
+    }
+    solve(growth, scratch.takes, stiffness * spread, scratch);
+    double ones = 0, rest = 0;
+    for (std::size_t j = 0; j < foci; ++j) {
+      ones += scratch.ones[j];
+      rest += scratch.rest[j];
+    }
+    level = ones > 0 ? (1 / stiffness + rest) / ones : 0;
+    for (std::size_t j = 0; j < foci; ++j)
+      shares[j] = stiffness * (level * scratch.ones[j] - scratch.rest[j]);
+    bool changed = false;
+    for (std::size_t j = 0; j < foci; ++j) {
+      bool takes = shares[j] > 0;
+      if (!scratch.takes[j]) {
+        double grows = 0;
+        for (std::size_t k = 0; k < foci; ++k)
+          grows += growth[j * foci + k] * std::max(0.0, shares[k]);
+        takes = counts[j] && loud[j] + grows / stiffness < level;
+      }
+      scratch.returns[j] = takes ? 1 : 0;
+      changed = changed || takes != (scratch.takes[j] != 0);
+    }
+    if (!changed) break;
+    std::ranges::copy(scratch.returns, scratch.takes.begin());
+  }
+  double sum = 0;
+  for (double& share : shares) {
+    share = std::max(0.0, share);
+    sum += share;
+  }
+  for (double& share : shares)
+    share = sum > 0 ? share / sum : 0;
+  return level;
+}
 
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
   for (std::vector<float>* values : {&scratch.columns.re, &scratch.columns.im})

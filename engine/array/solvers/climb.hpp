@@ -48,6 +48,10 @@ struct ShareScratch {
   std::vector<std::uint8_t> takes, returns;  ///< foci that take part in a round, and in the next one
 };
 
+/// Fills `shares`; returns L. `growth` is K, rows of `loud.size()`. Foci with `counts` 0 get no share.
+double find_shares(std::span<const double> growth, std::span<const double> loud, std::span<const std::uint8_t> counts,
+                   double stiffness, double spread, std::span<double> shares, ShareScratch& scratch);
+
 inline constexpr double climb_sharpness[] = {20, 80};
 inline constexpr double climb_soft = 0.2;
 inline constexpr double climb_least_stiffness = 0.5;

@@ -52,7 +52,7 @@ std::string power_text(const PowerSetting& setting, const PowerResult& result,
                    shown(std::optional(row.interval)));
   }
   text += fmt::format("\n{}\n", answer_line(setting, result));
-  if (!others.empty()) text += std::string(why_others) + "\n";
+  if (!others.empty()) text += fmt::format("{}\n", why_others);
   for (const OtherCorrelation& other : others)
     text += fmt::format("  {}\n", other_line(setting, other));
   return text;
