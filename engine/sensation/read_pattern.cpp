@@ -25,7 +25,7 @@ using geometry::gltf::Json;
 constexpr const char* format_name = "MidAirHapticsAnimationFileFormat";
 constexpr const char* revisions[] = {"0.1.0-alpha.3", "0.1.0-alpha.2", "0.0.10-alpha.1"};
 constexpr std::size_t most_nodes = 100'000;
-/// Of one formula: about 25 numbers are computed in each step of 0.05 ms.
+/// In one formula. In each step of 0.05 ms, about 25 numbers are computed.
 constexpr std::size_t most_nodes_of_one = 256;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 

@@ -164,7 +164,7 @@ void SensationPlanner::take_changes() {
                     "is silent until it is slower",
                     hz, sensation::most_hz));
   }
-  // Whoever starts a run has said so about the sensation that it began with.
+  // The sensation that a run begins with has been looked at before.
   const bool first = !std::exchange(looked_, true);
   if (first || too_fast_ || places_in_a_turn(hz, setting_.output.slot_s) >= few_places || std::exchange(coarse_, true))
     return;

@@ -203,7 +203,8 @@ TEST(Play, SaysWhatIsWrong) {
   says("circle --at 0,0,101m", 2, "--at is farther than 100 m from the array");
   says("circle --duration 1ms --layout openmpd --link record:/dev/null --at 0,0,-10cm", 0, "lies behind the array");
   says("circle --duration 1ms --layout openmpd --link record:/dev/null --at 0,0,3m", 0, "the sensation");
-  says("circle --duration 5ms --csv /dev/null --at 0,0,-10cm", 0, "the sensation lies behind the array");
+  says("circle --duration 5ms --layout openmpd --csv /dev/null --at 0,0,-10cm", 0,
+       "the sensation lies behind the array");
   says("circle --dwell 0.04ms", 2, "--dwell");
   says("circle --dwell 51ms", 2, "--dwell");
   says("circle --on palm", 2, "--on needs --source");
