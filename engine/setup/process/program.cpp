@@ -54,7 +54,7 @@ void survive_signals_of_writes() {
 /// If the watch for signals has already reported that the program ended too late, this line is not printed.
 Exit report(Exit code, const std::string& line) {
   log::drop_warnings();
-  if (decide_ending(code)) log::error(one_line(line));
+  if (decide_ending(code)) tell_ending(line);
   return ending();
 }
 
