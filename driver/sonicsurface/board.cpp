@@ -74,7 +74,7 @@ std::size_t boards_of(const array::Layout& layout, const Port& port) {
 }
 
 void check_pace(const BoardSpec& spec, std::size_t boards) {
-  const double frame_s = seconds_of(frame_size(boards));
+  const double frame_s = array::find_board_type("sonicsurface")->moving_slot_s(boards);
   if (!spec.foci_move || spec.slot_s >= frame_s) return;
   throw bad_usage(
       fmt::format("link sonicsurface: a frame takes {:.1f} ms, so a slot of {:g} ms is too short; use --dwell {:g}ms, "
@@ -391,7 +391,7 @@ BoardKind board_kind() {
           true,
           [](const std::string&) { return std::string("sonicsurface"); },
           [](const std::string& argument, const array::Layout& layout) {
-            return seconds_of(frame_size(boards_of(layout, parse_port(argument))));
+            return array::find_board_type("sonicsurface")->moving_slot_s(boards_of(layout, parse_port(argument)));
           }};
 }
 

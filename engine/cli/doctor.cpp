@@ -139,7 +139,7 @@ DoctorSection look_at_features() {
   return section;
 }
 
-/// Tries it in this thread.
+/// Tries it in this thread. Afterwards, the process is as before.
 DoctorSection look_at_scheduling() {
   const RealTime turns(output_priority, session::real_time_service());
   const Scheduling scheduling = scheduling_of(0);
@@ -147,7 +147,7 @@ DoctorSection look_at_scheduling() {
   item.title = fmt::format("drives leave by {} scheduling", to_text(scheduling));
   item.ok = scheduling == Scheduling::real_time;
   if (!item.ok) item.advice = fmt::format("for fewer late ones: {}", session::how_to_get_real_time);
-  item.facts = {{"scheduling", std::string(to_text(scheduling))}, {"kept_in_memory", keep_in_memory()}};
+  item.facts = {{"scheduling", std::string(to_text(scheduling))}, {"kept_in_memory", KeptInMemory().holds()}};
   return {"scheduling", "Scheduling", {std::move(item)}, {}};
 }
 

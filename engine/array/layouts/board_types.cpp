@@ -107,6 +107,33 @@ std::uint32_t sonicsurface_turn(std::uint32_t transducer) {
   return turns[transducer % count];
 }
 
+/// The units' silencer: phases change during the slot, and amplitudes in 0.25 ms.
+Changes autd3_changes(const ChangeSetting& setting) {
+  constexpr std::uint32_t most_phase_steps = 255, most_amplitude_steps = 10;
+  return {.phase_steps = std::min(setting.periods(), most_phase_steps),
+          .amplitude_steps = std::min(setting.periods(), most_amplitude_steps),
+          .silence_jumps = false};
+}
+
+/// Frames of 0.1 ms, or of half a slot if that is shorter, during the slot except for its last frame.
+Changes openmpd_changes(const ChangeSetting& setting) {
+  constexpr std::uint32_t usual_periods = 4;
+  constexpr double most_steps = 14;                      // silence waits for them
+  constexpr double bus_frames_per_s = 40e6 / (2 * 256);  // of all its boards
+  const std::uint32_t periods = std::clamp(setting.periods() / 2, 1U, usual_periods);
+  const double room = std::max(setting.periods() / periods, 2U) - 1;
+  const double carried = std::floor(bus_frames_per_s / static_cast<double>(setting.boards_of_bus) * setting.slot_s);
+  const auto steps = static_cast<std::uint32_t>(std::max(1.0, std::min({room, carried, most_steps})));
+  return {.step_periods = periods, .phase_steps = steps, .amplitude_steps = steps};
+}
+
+/// A phase is a byte, and so are the beginning and the end of a frame; the boards' actual speed at 230400 baud.
+double sonicsurface_moving_slot_s(std::size_t boards) {
+  constexpr double byte_s = 10 / 227556.0;
+  constexpr std::size_t phases = 256;
+  return byte_s * static_cast<double>(boards == 1 ? phases + 2 : boards * (phases + 2) + 1);
+}
+
 constexpr BoardType types[] = {
     {.name = "autd3",
      .title = "AUTD3",
@@ -117,6 +144,8 @@ constexpr BoardType types[] = {
      .phase_steps = 256,
      .null_depth = 0.00224,
      .amplitudes = autd3_amplitudes,
+     .changes = autd3_changes,
+     .modulation_slot_s = 0.25e-3,
      .link_words = "a server's host and port"},
     {.name = "openmpd",
      .title = "OpenMPD",
@@ -129,6 +158,9 @@ constexpr BoardType types[] = {
      .amplitudes = openmpd_amplitudes,
      .few_amplitudes = 0.25,
      .follower_lag = 0.762,
+     .changes = openmpd_changes,
+     .may_jump = true,
+     .still_slot_s = 0.3e-3,
      .link_words = "serial numbers"},
     {.name = "sonicsurface",
      .title = "SonicSurface",
@@ -140,6 +172,7 @@ constexpr BoardType types[] = {
      .null_depth = 0.0126,
      .turn = sonicsurface_turn,
      .follower_lag = 16.5 / 32,
+     .moving_slot_s = sonicsurface_moving_slot_s,
      .link_words = "a serial port"},
 };
 

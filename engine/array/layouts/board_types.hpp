@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "array/layouts/changes.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {
@@ -61,6 +63,15 @@ struct BoardType {
   double few_amplitudes = 0;
   /// How late each further board of an array runs after the first one, in periods, by the source of its firmware.
   double follower_lag = 0;
+  /// How it goes to the next drive (array/layouts/changes.hpp). Null: it jumps.
+  Changes (*changes)(const ChangeSetting&) = nullptr;
+  bool may_jump = false;  ///< --steps off lets it jump
+  /// The usual slot of foci that stand still; 0: that of others.
+  double still_slot_s = 0;
+  /// It modulates foci that stand still by its own clock, in slots of at most this; 0: their drives are modulated.
+  double modulation_slot_s = 0;
+  /// The shortest slot in which foci may move, if its line is slow, for an array of that many boards. Null: any.
+  double (*moving_slot_s)(std::size_t boards) = nullptr;
   std::string_view link_words;  ///< the argument of its link, for people: "a serial port"
 
   bool has_amplitudes() const { return amplitudes != nullptr; }

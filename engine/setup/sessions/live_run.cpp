@@ -17,6 +17,7 @@
 #include "session/links/real_time_service.hpp"
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
+#include "setup/options/board_play.hpp"
 #include "setup/sessions/load.hpp"
 #include "setup/sessions/null_watch.hpp"
 #include "setup/sessions/tracker.hpp"
@@ -115,31 +116,15 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
 }
 
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
-  TouchOptions& touch = options.touch;
   const std::string name = session::parse_spec(options.link).name;
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
-  touch.steady_gains = true;
-  if (touch.dwell_s >= least_s) return;
-  if (touch.method_given || touch::stands_still(touch.method.method)) return;
-  const char* const instead =
-      options.own_method
-          ? "your own method must place one focus, which does not move; if it places more, give"
-          : "palpa plays --method single-focus, whose focus does not move; give --method single-focus to avoid this "
-            "warning, or";
-  log::warning(
-      fmt::format("--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so {} --dwell {:g}ms",
-                  options.link, 1e3 * least_s, 1e3 * touch.dwell_s, instead, std::ceil(1e3 * least_s)));
-  touch.method.method = touch::Method::single_focus;
+  take_method_of_boards(options.touch, least_s, "--link " + options.link, options.own_method != nullptr);
 }
 
 void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
-  TouchOptions& touch = options.touch;
-  if (options.steps == Steps::off || touch.dwell_given || !touch::stands_still(touch.method.method)) return;
   if (!session::find_kind(links, session::parse_spec(options.link).name, "link").takes_steps) return;
-  // Boards of one bus: more would need more than it carries.
-  constexpr std::size_t most_boards = 11;
-  if (load_placed_layout(options.rig).layout.boards.size() <= most_boards) touch.dwell_s = still_dwell_s;
+  take_dwell_of_boards(options.touch, load_placed_layout(options.rig).layout, options.steps);
 }
 
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
