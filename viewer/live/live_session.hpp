@@ -17,16 +17,15 @@
 
 #include "acoustics/air.hpp"
 #include "base/files/outputs.hpp"
-#include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
-#include "sensing/surroundings.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
+#include "session/plan/scheduler.hpp"
 #include "setup/sessions/live_run.hpp"
+#include "setup/sessions/near_skin.hpp"
 #include "touch/fingers/sight.hpp"
 #include "viewer/live/frame_gaps.hpp"
 #include "viewer/live/link_watch.hpp"
-#include "viewer/live/nearest_seen.hpp"
 #include "viewer/live/snapshot.hpp"
 #include "viewer/picture/picture.hpp"
 
@@ -65,6 +64,7 @@ class LiveSession final : session::RunObserver {
   struct Kinds {
     std::vector<session::SourceKind> sources;
     std::vector<session::LinkKind> links;
+    session::OwnMethod method{};  ///< places the foci of every session, instead of --method
   };
 
   /// Begins to load and then runs. Any thread may set `stop` to end the run. `wake` is called from other threads when
@@ -151,7 +151,7 @@ class LiveSession final : session::RunObserver {
   void write_down(const sensing::FrameSet& set);
   void close_recorder();
   void follow_poses(session::Session& session);
-  void look_around(const std::vector<sensing::Camera>& cameras);
+  void look_around();
 
   inline static std::atomic<int> under_way_{0};
   setup::LiveOptions options_;
@@ -177,16 +177,9 @@ class LiveSession final : session::RunObserver {
   std::optional<std::uint64_t> last_sequence_;
   Clock::time_point last_frame_{};
   // For the recorder's thread; made before it begins.
-  std::vector<Box> boxes_;  ///< of the solids at rest
   std::uint64_t looked_around_ = 0;
-  Box near_;  ///< where skin is drawn
-  sensing::RayTables rays_;
+  std::optional<setup::NearSkin> near_;
   std::vector<touch::SightCamera> sight_;
-  std::optional<NearestSeen> nearest_;
-  std::vector<Transform> near_poses_;  ///< of the solids when it last looked around
-  std::vector<sensing::Crop> crops_;
-  sensing::Surroundings surroundings_;
-  std::vector<shader::SkinVolume> volumes_;
   bool modest_ = false;
   std::optional<Outputs> record_outputs_;  ///< what the recorder writes
   std::optional<sensing::RecordingWriter> recorder_;

@@ -481,7 +481,7 @@ namespace {
 /// Whether the picture has a close-up of the touch. A live run has one without --inset if the touch is small in it.
 bool wants_close_up(const ViewerOptions& o, const Viewpoint& viewpoint, const Picture& picture, const Size& size) {
   constexpr double small = 0.2;  // of the picture's height
-  if (picture.fingers.empty() || o.inset || !o.is_live()) return o.inset && !picture.fingers.empty();
+  if (picture.fingers.empty() || o.inset || o.guided || !o.is_live()) return o.inset && !picture.fingers.empty();
   const Box touch = extent(picture, Extent::touch);
   return glm::length(touch.high - touch.low) < small * size.height * metres_per_pixel(viewpoint, size.height);
 }

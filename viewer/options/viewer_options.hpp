@@ -71,6 +71,7 @@ struct ViewerOptions : setup::EyesOptions {
   std::optional<double> threshold;
   std::string interact;
   bool panels = false, no_panels = false;
+  bool guided = false;  ///< what touches is no finger that is seen: no close-up shows it
 };
 
 /// Puts every option on `app`.

@@ -231,6 +231,9 @@ void CameraTouches::begin(std::vector<sensing::Camera> cameras) {
   cameras_ = std::move(cameras);
   rays_.clear();
   learning_.clear();
+  learned_frames_ = 0;
+  learned_ = false;
+  recent_.clear();
   for (sensing::Camera& camera : cameras_) {
     sensing::see_all(camera);
     rays_.push_back(sensing::make_rays(std::span(&camera, 1)));
@@ -301,6 +304,11 @@ std::string CameraTouches::take(double time_s) {
   recent_.clear();
   on_its_way_ = true;
   return {};
+}
+
+std::size_t CameraTouches::touched() const {
+  const std::lock_guard lock(mutex_);
+  return touches_.size();
 }
 
 std::string CameraTouches::line() const {
