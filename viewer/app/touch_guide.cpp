@@ -66,16 +66,17 @@ Vec3 foot_of(const array::Layout& layout, const Vec3& focus) {
 
 const drawing::Colour loud = drawing::rgb(0xd55e00), done = drawing::rgb(0x009e73);
 
+/// Filled inside, if it has no width.
 void add_ring(std::vector<FlatMark>& marks, const Vec2& centre, double radius, double width,
               const drawing::Colour& colour, const std::string& label) {
   constexpr int corners = 48;
-  FlatMark ring{.colour = colour, .width = width};
+  FlatMark ring{.colour = colour, .width = width, .filled = width == 0};
   for (int i = 0; i <= corners; ++i) {
     const double angle = 2 * std::numbers::pi * i / corners;
     ring.points.push_back(centre + radius * Vec2(std::cos(angle), std::sin(angle)));
   }
   marks.push_back(std::move(ring));
-  marks.push_back({.points = {centre + Vec2(1.8 * radius, -radius)}, .label = label});
+  if (!label.empty()) marks.push_back({.points = {centre + Vec2(1.8 * radius, -radius)}, .label = label});
 }
 
 }  // namespace
@@ -123,8 +124,9 @@ void TouchGuide::finish() {
 Guidance TouchGuide::guidance(const ShownRun& run, const PanelData& data) const {
   constexpr const char* closing = "Enter or Escape closes the window";
   constexpr const char* leaving = "Escape: ends, and nothing is saved";
-  if (step_ == Step::found) return {"The cameras are found, and the array is silent", summary_, "", closing};
-  if (step_ == Step::failed) return {"Nothing is saved, and the array is silent", fault_line_, "", closing};
+  if (step_ == Step::found) return {"The cameras are found", summary_, "", closing};
+  if (step_ == Step::failed) return {"Nothing is saved", fault_line_, "", closing};
+  if (step_ == Step::left) return {"Nothing is saved", "", "", ""};
   const RunState state = run.control().state();
   if (state == RunState::failed) return {"The run failed", data.content.run.fault, "", leaving};
   if (state == RunState::loading || !run.shows_frame()) return {"The run begins", "Keep your hands away.", "", leaving};
@@ -155,6 +157,7 @@ void TouchGuide::mark(const Sight& sight, std::vector<FlatMark>& marks) const {
   const Projected at = project(push, *focus), foot = project(push, foot_of(task_->layout(), *focus));
   if (!at.visible) return;
   if (foot.visible) marks.push_back({.points = {Vec2(at.x, at.y), Vec2(foot.x, foot.y)}, .colour = loud, .width = 1.5});
+  add_ring(marks, Vec2(at.x, at.y), 9 * sight.ratio, 0, loud, "");
   add_ring(marks, Vec2(at.x, at.y), 18 * sight.ratio, 5, loud, fmt::format("{}", touched + 1));
 }
 

@@ -446,10 +446,10 @@ Box home_of(const ViewerOptions& o, const Picture& picture, const ViewState& sta
 
 Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const ViewState& state, const Size& size) {
   const double ratio = o.pixel_ratio.value_or(1);
-  Viewpoint viewpoint;
-  viewpoint.orthographic = o.orthographic;
+  Viewpoint viewpoint{.orthographic = o.orthographic};
   if (o.inset && !picture.fingers.empty()) viewpoint.covered_right = inset_share;
   if (state.layers.shows(Layer::legend)) viewpoint.covered_left = chart_share(picture, size.width, size.height, ratio);
+  if (o.guided) viewpoint.covered_left = guidance_share;
   viewpoint.covered_below = bars_share(picture, state.layers, size.width, size.height, ratio);
   if (!o.eye.empty()) {
     look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));

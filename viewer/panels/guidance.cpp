@@ -1,8 +1,9 @@
-// The sheet of a guided task, at the top of the picture.
+// The sheet of a guided task, on the left of the picture.
 #include <imgui.h>
 
 #include <algorithm>
 
+#include "viewer/options/viewer_options.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
 
@@ -12,9 +13,9 @@ void draw_guidance(PanelData& data) {
   if (!data.guidance) return;
   const Guidance& now = *data.guidance;
   const Area free = free_area(data);
-  const auto right = static_cast<float>(free.right), top = static_cast<float>(free.top);
-  const float width = std::max(std::min(em(36), right - em(1)), 1.0f);
-  ImGui::SetNextWindowPos({right / 2, top + em(0.5f)}, ImGuiCond_Always, {0.5f, 0});
+  const auto share = static_cast<float>(guidance_share * free.right);
+  const float width = std::max(share - 2 * em(0.5f), 1.0f);
+  ImGui::SetNextWindowPos({em(0.5f), static_cast<float>(free.top) + em(0.5f)});
   ImGui::SetNextWindowSize({width, 0});
   ImGui::Begin("guidance", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing |

@@ -59,8 +59,8 @@ void add_touch_options(CLI::App& app, ViewerOptions& o, setup::LiveOptions& live
   line::need(app, {"--screenshot"}, "--headless");
 }
 
-/// The foci of the run lie in the air, and what touches is only where palpa wants a finger.
-constexpr const char* no_object = "solids,edges,skin,points,contacts,legend";
+/// Where the run has its focus is marked over the picture, and what touches is only where palpa wants a finger.
+constexpr const char* no_object = "solids,edges,skin,points,contacts,foci,legend,grid";
 
 }  // namespace
 
