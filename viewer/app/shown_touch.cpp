@@ -18,7 +18,7 @@
 #include "setup/options/warnings.hpp"
 #include "setup/process/progress.hpp"
 #include "setup/sessions/load.hpp"
-#include "setup/sessions/nearest_skin.hpp"
+#include "setup/sessions/near_skin.hpp"
 #include "setup/sessions/play.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "setup/sessions/touch_schedule.hpp"
@@ -41,8 +41,8 @@ std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std:
   if (input.cameras.empty()) return input.points;
   Box box;
   for (const geometry::Solid& solid : solids) {
-    box.add(solid.bounds.low - Vec3(shown_skin_m));
-    box.add(solid.bounds.high + Vec3(shown_skin_m));
+    box.add(solid.bounds.low - Vec3(setup::near_skin_m));
+    box.add(solid.bounds.high + Vec3(setup::near_skin_m));
   }
   return sensing::find_skin(input.cameras, input.frames, box);
 }
@@ -145,7 +145,7 @@ void ShownTouch::show_skin(const setup::TouchInput& input, std::span<const geome
   for (const sensing::SkinPoint& point : flying)
     picture_.dropped_points.push_back(point.position);
   picture_.dropped_count = flying.size();
-  picture_.skin_count = input.point_count - flying.size();
+  picture_.skin_count = points.size();
   if (!picture_.fingers.empty()) return;
   const auto nearest = setup::nearest_skin(solids, input);
   picture_.untouched = why_untouched(

@@ -19,15 +19,12 @@
 
 #include "acoustics/air.hpp"
 #include "base/files/outputs.hpp"
-#include "geometry/mesh/nearest.hpp"
-#include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
-#include "sensing/skin_point.hpp"
-#include "sensing/surroundings.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
 #include "session/watch/sound_watch.hpp"
 #include "setup/sessions/live_run.hpp"
+#include "setup/sessions/near_skin.hpp"
 #include "touch/fingers/sight.hpp"
 #include "viewer/live/frame_gaps.hpp"
 #include "viewer/live/snapshot.hpp"
@@ -49,22 +46,6 @@ struct LinkWatch {
   }
   /// Nothing leaves any more.
   void close() { sound.close(); }
-};
-
-/// How far the skin is from the solids that are shown, to say why nothing touches.
-class NearestSeen {
- public:
-  /// `solids` are at rest and must outlive this.
-  explicit NearestSeen(std::span<const SurfaceMark> solids);
-
-  /// "the nearest skin is 31.0 mm away from the surface of cube", or that there is no skin. If there are more
-  /// than 4096 points, only every n-th counts. `poses` move the solids, by their index; those without a pose are at
-  /// rest.
-  std::string tell(std::span<const sensing::SkinPoint> points, std::span<const Transform> poses) const;
-
- private:
-  std::span<const SurfaceMark> solids_;
-  std::vector<geometry::NearestTriangle> trees_;
 };
 
 /// What a session uses, once it is loaded.
@@ -100,6 +81,7 @@ class LiveSession final : session::RunObserver {
   struct Kinds {
     std::vector<session::SourceKind> sources;
     std::vector<session::LinkKind> links;
+    session::OwnMethod method{};  ///< places the foci of every session, instead of --method
   };
 
   /// Begins to load and then runs. Any thread may set `stop` to end the run. `wake` is called from other threads when
@@ -186,7 +168,7 @@ class LiveSession final : session::RunObserver {
   void write_down(const sensing::FrameSet& set);
   void close_recorder();
   void follow_poses(session::Session& session);
-  void look_around(const std::vector<sensing::Camera>& cameras);
+  void look_around();
 
   inline static std::atomic<int> under_way_{0};
   setup::LiveOptions options_;
@@ -212,16 +194,9 @@ class LiveSession final : session::RunObserver {
   std::optional<std::uint64_t> last_sequence_;
   Clock::time_point last_frame_{};
   // For the recorder's thread; made before it begins.
-  std::vector<Box> boxes_;  ///< of the solids at rest
   std::uint64_t looked_around_ = 0;
-  Box near_;  ///< where skin is drawn
-  sensing::RayTables rays_;
+  std::optional<setup::NearSkin> near_;
   std::vector<touch::SightCamera> sight_;
-  std::optional<NearestSeen> nearest_;
-  std::vector<Transform> near_poses_;  ///< of the solids when it last looked around
-  std::vector<sensing::Crop> crops_;
-  sensing::Surroundings surroundings_;
-  std::vector<shader::SkinVolume> volumes_;
   bool modest_ = false;
   std::optional<Outputs> record_outputs_;  ///< what the recorder writes
   std::optional<sensing::RecordingWriter> recorder_;

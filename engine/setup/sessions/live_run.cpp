@@ -18,7 +18,9 @@
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/options/board_play.hpp"
+#include "setup/sessions/kept_frames.hpp"
 #include "setup/sessions/load.hpp"
+#include "setup/sessions/near_skin.hpp"
 #include "setup/sessions/null_watch.hpp"
 #include "setup/sessions/tracker.hpp"
 
@@ -184,6 +186,26 @@ void LiveRun::watch_scene() {
   });
 }
 
+/// Why nothing touched. Solids that other programs move may have been elsewhere: then nobody knows.
+void LiveRun::find_why_untouched(std::span<const sensing::FrameSet> frames, session::LoopStats& stats) {
+  if (stats.touching > 0 || stats.planned == 0 || osc_ || before_frame_) return;
+  NearSkin near(session().setting());
+  sensing::SkinOfFrame skin;
+  std::optional<NearestSkin> nearest;
+  for (const sensing::FrameSet& set : frames) {
+    near.find(set, skin);
+    const std::optional<NearestSkin> found = near.nearest(skin.points);
+    if (found && (!nearest || found->distance_m < nearest->distance_m)) nearest = found;
+  }
+  session::UntouchedStats untouched{.why = why_untouched(nearest, session().solids(), "was")};
+  if (nearest) {
+    untouched.solid = session().solids()[nearest->solid].name;
+    untouched.distance_m = nearest->distance_m;
+    untouched.inside = nearest->inside;
+  }
+  stats.untouched = std::move(untouched);
+}
+
 void LiveRun::before_frame(session::Session& session) {
   if (osc_) osc_->before_frame(session);
   if (before_frame_) before_frame_(session);
@@ -223,14 +245,16 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   if (osc_) osc_->listen(session(), observer);
   if (options_.reload) watch_scene();
   session::LoopStats stats;
+  KeptFrames kept(source());
   try {
-    stats = session().run(source(), *link_, *stop_, options);
+    stats = session().run(kept, *link_, *stop_, options);
   } catch (...) {
     finish(sink_.get(), true);
     throw;
   }
   finish(sink_.get(), false);
   tell_backend(options_.common, stats);
+  find_why_untouched(kept.frames(), stats);
   if (sink_) stats.events = {sink_->written(), sink_->dropped()};
   if (osc_) stats.messages = osc_->end();
   if (reload_) stats.reload = reload_->end();
@@ -277,6 +301,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
       counted(stats.captured, "frame"), stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, counted(stats.output.drives, "drive"), stats.output.silent_drives,
       counted(stats.output.skipped_slots, "slot"));
+  if (stats.untouched) text += "nothing touched: " + stats.untouched->why + "\n";
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)
                                       : "";
