@@ -35,7 +35,8 @@ LINES = {
         "mesh": "drive --layout openmpd --focus 0,0,10cm --transfer finger --mesh IN/above.ply",
         "force": "drive --layout openmpd --focus 0,0,10cm --transfer finger --mesh IN/coarse.ply"},
     "field": {
-        "": f"field {AIM} --plane xz --centre 0,0,10cm --size 2cm,2cm --pixels 4,4", "line samples": f"field {AIM} --line 0,0,9cm 0,0,11cm --samples 5",
+        "": f"field {AIM} --solver gs-pat --pressure 300Pa --plane xz --centre 0,0,10cm --size 2cm,2cm --pixels 4,4", "null solver constraint": f"field {AIM} --plane xz --centre 0,0,10cm --size 2cm,2cm --pixels 4,4",
+        "line samples": f"field {AIM} --line 0,0,9cm 0,0,11cm --samples 5",
         "centre draws seed": f"field {AIM} --plane xz --size 2cm,2cm --pixels 4,4 --spread phase=0.1 --draws 20", "points": f"field {AIM} --points IN/above.ply",
         "drive": "field --layout openmpd --drive IN/drive.csv --points IN/above.ply"},
     "simulate": {
