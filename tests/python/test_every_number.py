@@ -301,7 +301,7 @@ def of_a_study(j, _):
 
 SKIN = " ".join(f"{kind}.{name}" for kind in ("langevin", "squared") for name in ("peak_pa", "peak_m", "half_area_m2", "half_radius_m"))
 TABLES = "trials correct counts accuracy clopper_pearson p_chance recall precision information.bits information.chi_square information.most_bits"
-# Of each line: the check, or the file of tests that has one -> names of numbers.
+# For each line: a check, or the file of the tests that check it, and names of numbers.
 NUMBERS = {
     "drive": {of_a_drive: "transducers sound_speed_m_s frequency_hz foci_m gains pressures_pa weakest_to_strongest nulls.* kept_with_nulls amplitudes phases_rad",
               "setup/test_spread.cpp": "spread.*"},
