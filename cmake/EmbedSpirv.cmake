@@ -1,6 +1,6 @@
-# Writes HEADER: the words of the SPIR-V module SPV as a constexpr array and, for a compute shader, its gpu::Kernel with
-# the names of the buffers that it binds (engine/gpu/kernel.hpp). Run by palpa_shaders.
-file(READ ${SPV} hex HEX)
+# Writes HEADER: the words of the optimised SPIR-V module SPV.opt as a constexpr array and, for a compute shader, its
+# gpu::Kernel with the names of the buffers that SPV binds (engine/gpu/kernel.hpp). Run by palpa_shaders.
+file(READ ${SPV}.opt hex HEX)
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${hex}")
 string(REPEAT "(0x[0-9a-f]+,)" 8 eight)
 string(REGEX REPLACE "(${eight})" "\\1\n" words "${words}")

@@ -99,6 +99,12 @@ Farthest farthest(Walk w, vec3 origin, vec3 direction) {
   return best;
 }
 
+// A driver compiles each call of a function again. So keep() and farthest() have one call each, for both sides in turn.
+Walk side_of(Walk one, Walk other, uint side) {
+  if (side == 0u) return one;
+  return other;
+}
+
 // Whether the sides are farther apart than the gap along some line: first along the line between their centres, then
 // along the smallest known difference between the two (Gilbert 1966).
 bool separated(Walk one, Walk other, Kept a, Kept b) {
@@ -108,8 +114,12 @@ bool separated(Walk one, Walk other, Kept a, Kept b) {
     const float square = dot(difference, difference);
     if (!(square > push.limit)) return false;
     const vec3 direction = difference * inversesqrt(square);
-    const Farthest end = farthest(one, origin, direction);
-    const Farthest start = farthest(other, origin, -direction);
+    Farthest end;
+    Farthest start;
+    for (uint side = 0u; side < 2u; ++side) {
+      start = farthest(side_of(one, other, side), origin, side == 0u ? direction : -direction);
+      if (side == 0u) end = start;
+    }
     const float between = -start.along - end.along;
     if (between > 0.0 && between * between > push.limit * loose) return true;
     const vec3 step = start.at - end.at - difference;
@@ -138,22 +148,24 @@ uint tested(Walk one, Walk other, Kept b) {
 }
 
 uint within_gap(Walk one, Walk other) {
-  Kept a = keep(one, vec3(-1.0e18), vec3(1.0e18));
-  Kept b = a;
-  bool whole = a.whole;
-  for (uint round = 0u; round < 8u && whole; ++round) {
-    const uint before = a.count + b.count;
-    b = keep(other, a.low, a.high);
-    if (b.reached) return together;
-    whole = b.whole;
-    if (!whole) break;
-    if (b.count == 0u) return apart;
-    a = keep(one, b.low, b.high);
-    if (a.reached) return together;
-    if (a.count == 0u) return apart;
-    if (round > 0u && (a.count + b.count) * 8u > before * 7u) break;
+  Kept a;
+  Kept b = Kept(vec3(-1.0e18), vec3(1.0e18), vec3(0.0), 0u, false, true);
+  uint before = 0u;
+  for (uint turn = 0u; turn < 17u; ++turn) {
+    const uint side = turn % 2u;
+    const Kept kept = keep(side_of(one, other, side), side == 0u ? b.low : a.low, side == 0u ? b.high : a.high);
+    if (kept.reached) return together;
+    if (!kept.whole) return unknown;
+    if (kept.count == 0u) return apart;
+    if (side == 1u) {
+      b = kept;
+      continue;
+    }
+    a = kept;
+    const uint count = a.count + b.count;
+    if (turn >= 4u && count * 8u > before * 7u) break;
+    before = count;
   }
-  if (!whole) return unknown;
   return separated(one, other, a, b) ? apart : tested(one, other, b);
 }
 
