@@ -29,7 +29,7 @@ class KeptFrames final : public sensing::DepthSource {
     if (came_++ % apart_ != 0) return;
     kept_.push_back(set);
     if (kept_.size() < most) return;
-    for (std::size_t i = 0; i < most / 2; ++i)
+    for (std::size_t i = 1; i < most / 2; ++i)
       kept_[i] = std::move(kept_[2 * i]);
     kept_.resize(most / 2);
     apart_ *= 2;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -53,7 +54,7 @@ TEST(Untouched, ARunSaysHowFarTheSkinWas) {
   EXPECT_CONTAINS(far.out, "nothing touched: no skin was within 120 mm of the objects\n");
   EXPECT_TRUE(json::parse(read_text(folder / "stats.json"))["untouched"]["solid"].is_null());
 
-  const Result within = run_of_cube_frames(folder, {{-0.1, -0.1, -0.1}, {0.1, 0.3, 0.1}});
+  const Result within = run_of_cube_frames(folder, {{-0.03, -0.05, -0.03}, {0.03, 0.3, 0.03}});
   EXPECT_CONTAINS(within.out, " mm below the surface of low, deeper than its shell\n");
   EXPECT_EQ(json::parse(read_text(folder / "stats.json"))["untouched"]["inside"], true);
 }
@@ -64,9 +65,10 @@ class Counted final : public sensing::DepthSource {
   explicit Counted(std::uint64_t frames) : left_(frames) {}
   const std::vector<sensing::Camera>& cameras() const override { return cameras_; }
   bool next(sensing::FrameSet& out, double) override {
-    out.tracked = ++rounds_ % 3 != 0;
-    if (!out.tracked) return true;
+    out.frames.clear();
+    if (++rounds_ % 3 == 0) return true;
     out.sequence = sequence_++;
+    out.frames.assign(1, {.depth = {static_cast<std::uint16_t>(out.sequence)}});
     return left_-- > 0;
   }
 
@@ -85,11 +87,14 @@ TEST(Untouched, FramesAreKeptEvenlyOverTheWholeRun) {
     const std::vector<sensing::FrameSet>& of = kept.frames();
     ASSERT_FALSE(of.empty());
     EXPECT_EQ(of.front().sequence, 0u);
-    if (frames < 8) EXPECT_EQ(of.size(), frames);
-    if (frames >= 8) EXPECT_TRUE(of.size() >= 4 && of.size() < 8) << of.size();
+    EXPECT_LT(of.size(), 8u);
+    EXPECT_GE(of.size(), std::min<std::uint64_t>(frames, 4));
     const std::uint64_t apart = of.size() > 1 ? of[1].sequence : 1;
-    for (std::size_t i = 0; i < of.size(); ++i)
+    for (std::size_t i = 0; i < of.size(); ++i) {
       EXPECT_EQ(of[i].sequence, i * apart) << frames;
+      ASSERT_EQ(of[i].frames.size(), 1u) << frames;
+      EXPECT_EQ(of[i].frames[0].depth.at(0), i * apart) << frames;
+    }
     EXPECT_GE((of.size() + 1) * apart, frames) << "the last of them is near the end";
   }
 }

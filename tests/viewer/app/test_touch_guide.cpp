@@ -151,6 +151,7 @@ TEST_F(ByTouchInTheWindow, AfterAllOffTheSameFocusFollows) {
     person.key(Key::enter);
     EXPECT_TRUE(person.sees_title("The array is off")) << "nothing is taken";
     heard_->finished = false;
+    ASSERT_TRUE(person.sees([&](const Guidance&) { return person.app().data().content.can_start; }));
     const Area start = person.app().data().places.start.value_or(Area());
     const double x = (start.left + start.right) / 2, y = (start.top + start.bottom) / 2;
     person.app().handle({.kind = WindowEvent::Kind::move, .x = x, .y = y}, {400, 300});
