@@ -189,6 +189,7 @@ BACKEND = {"touch", "drive", "field", "simulate", "export"}
 OPTIONS = [(command, option, kind) for command in LINES for option, kind in options_of_help(command).items()]
 
 
+@pytest.mark.filterwarnings("ignore::palpa.PalpaWarning")
 @pytest.mark.parametrize("command, option, kind", OPTIONS)
 def test_an_option_in_python_is_the_commands(command, option, kind, folder):
     if UNTRIED.get(f"{command} {option}"):
