@@ -17,6 +17,8 @@ import pytest
 import palpa
 from commands import ROOT, drives_in, run
 
+pytestmark = pytest.mark.times  # other tests run the same code under a sanitizer
+
 AIM = "--layout openmpd --directivity piston --focus 0,0,10cm --focus 2cm,1cm,12cm,0.7"
 SPREAD = "--spread phase=0.1 --draws 20 --backend cpu"
 LINES = {
