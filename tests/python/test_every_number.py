@@ -191,7 +191,7 @@ def of_an_export(j, folder):
     frames = json.loads((folder / "foci.json").read_text())["frames"]
     loudest = drives_in(folder / "drives.bin").max(axis=1)
     assert j["frames"] == 12 and j["touching"] == sum(bool(frame["fingers"]) for frame in frames)
-    assert j["drives"] == len(loudest) - 1 and j["silent_drives"] == np.count_nonzero(loudest == 0) - 1  # the last silence is none of them
+    assert j["drives"] == len(loudest) - 1 and j["silent_drives"] == np.count_nonzero(loudest == 0) - 1  # without the last silence
     assert j["slot_s"] == 1.5e-3
     near(j["duration_s"], j["drives"] * 1.5e-3)
 
