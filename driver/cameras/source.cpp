@@ -22,6 +22,7 @@ constexpr double look_s = 0.02;    ///< how often to check whether a camera is s
 constexpr double pause_s = 0.002;  ///< after a camera has woken palpa for nothing
 constexpr double coarse_m = 0.5e-3;
 constexpr double unmatched_s = 1;  ///< after this time without a set, that is reported
+constexpr double set_back_s = 1;   ///< frames that are older than this by more come from a clock that was set back
 
 class Cameras final : public sensing::DepthSource {
  public:
@@ -89,26 +90,15 @@ class Cameras final : public sensing::DepthSource {
   }
 
   bool deliver(sensing::FrameSet& out) {
-    std::size_t count = 0;
     double period_s = nominal_s_;
-    bool all_give = true;
-    for (LiveCamera& camera : live_) {
-      if (!camera.awaited()) continue;
-      awaited_[count] = &camera;
-      waiting_[count++] = {camera.times_s()};
-      period_s = std::max(period_s, camera.period_s());
-      all_give = all_give && camera.gives_frames();
-    }
-    if (count == 0 || !match(std::span(waiting_).first(count), period_s, chosen_)) {
-      count > 1 && all_give ? note_unmatched(period_s) : note_matched();
-      return false;
-    }
-    note_matched();
+    std::size_t count = 0;
+    do {
+      count = choose(period_s);
+      if (count == 0) return false;
+    } while (came_too_late(count));
     if (out.frames.empty()) out.frames.swap(spare_);
     out.frames.resize(cameras_.size());
-    out.time_s = waiting_[0].times_s[chosen_[0]];
-    for (std::size_t k = 1; k < count; ++k)
-      out.time_s = std::min(out.time_s, waiting_[k].times_s[chosen_[k]]);
+    out.time_s = oldest_s(count);
     for (std::size_t c = 0, k = 0; c < cameras_.size(); ++c) {
       sensing::DepthFrame& frame = out.frames[c];
       frame.depth.resize(sensing::pixel_count(cameras_[c]));
@@ -123,6 +113,43 @@ class Cameras final : public sensing::DepthSource {
       }
     }
     out.sequence = number(out.time_s, period_s);
+    return true;
+  }
+
+  /// Chooses the frames of the next set among those of the cameras that are waited for. Returns how many these are; 0
+  /// if there is no set yet. `period_s` grows to the period of the slowest of them.
+  std::size_t choose(double& period_s) {
+    std::size_t count = 0;
+    bool all_give = true;
+    for (LiveCamera& camera : live_) {
+      if (!camera.awaited()) continue;
+      awaited_[count] = &camera;
+      waiting_[count++] = {camera.times_s()};
+      period_s = std::max(period_s, camera.period_s());
+      all_give = all_give && camera.gives_frames();
+    }
+    if (count > 0 && match(std::span(waiting_).first(count), period_s, chosen_)) {
+      note_matched();
+      return count;
+    }
+    count > 1 && all_give ? note_unmatched(period_s) : note_matched();
+    return 0;
+  }
+
+  double oldest_s(std::size_t count) const {
+    double time_s = waiting_[0].times_s[chosen_[0]];
+    for (std::size_t k = 1; k < count; ++k)
+      time_s = std::min(time_s, waiting_[k].times_s[chosen_[k]]);
+    return time_s;
+  }
+
+  /// While one camera was silent, a newer set of the others may have been delivered. Its older frames are then left
+  /// out, because a hand does not go back. A clock that was set back is something else.
+  bool came_too_late(std::size_t count) {
+    const double behind_s = last_s_ - oldest_s(count);
+    if (behind_s < 0 || behind_s > set_back_s) return false;
+    for (std::size_t k = 0; k < count; ++k)
+      awaited_[k]->release_through(chosen_[k]);
     return true;
   }
 

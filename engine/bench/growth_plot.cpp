@@ -64,6 +64,23 @@ void draw_curve(study::Svg& svg, const study::Plot& plot, const GrowthCurve& cur
   }
 }
 
+/// The fitted exponents, in a field without a curve.
+void draw_exponents(study::Svg& svg, double x, double y, std::span<const GrowthCurve> curves) {
+  constexpr double line = 19, column = 60;
+  svg.text(x, y - 8, "exponents", study::Anchor::start, 13);
+  std::vector<std::string> names;
+  for (const GrowthCurve& curve : curves) {
+    const bool first = names.empty() || names.back() != curve.name;
+    if (first) names.push_back(curve.name);
+    const double at_y = y + line * static_cast<double>(names.size() + 1);
+    if (first) svg.text(x, at_y, curve.name);
+    svg.text(x + 2 * column + (first ? 0 : column), at_y, fmt::format("{:.2f}", exponents_of(curve.samples).fitted),
+             study::Anchor::end);
+  }
+  for (const std::size_t where : {0, 1})
+    svg.marker(x + column * static_cast<double>(2 + where) - 12, y + line - 8, study::series(where));
+}
+
 }  // namespace
 
 std::string growth_svg(std::span<const GrowthCurve> curves, const std::string& device) {
@@ -107,6 +124,10 @@ std::string growth_svg(std::span<const GrowthCurve> curves, const std::string& d
     for (const GrowthCurve& curve : curves) {
       if (curve.name == names[i]) draw_curve(svg, plot, curve, number++);
     }
+  }
+  if (const std::size_t last = names.size(); last % columns != 0) {
+    draw_exponents(svg, left + step_x * static_cast<double>(last % columns),
+                   top + step_y * static_cast<double>(last / columns), curves);
   }
   return svg.finish();
 }

@@ -1,10 +1,9 @@
-"""Other programs change a run: OSC messages as raw datagrams, made by the description in docs/live-control.md, and scenes that are saved."""
+"""Other programs change a run: OSC messages, and scenes that are saved."""
 import json
 import queue
 import shutil
 import signal
 import socket
-import struct
 import subprocess
 import time
 
@@ -13,26 +12,11 @@ import pytest
 
 import palpa
 from commands import PALPA, ROOT, begins, drives_in, newest_in, run, without_lateness
+from edited_glb import with_node
+from osc_messages import bundle, message
 from test_session import pressed
 
 needs_liblo = pytest.mark.skipif("+liblo" not in run(["--version"]), reason="this palpa was built without liblo")
-
-
-def padded(text):
-    data = text.encode() + b"\0"
-    return data + b"\0" * (-len(data) % 4)
-
-
-def message(address, types="", *values):
-    """One message: f and d are floats, i and h integers, s a text; T and F have no bytes."""
-    data = padded(address) + padded("," + types)
-    for kind, value in zip(types, values):
-        data += padded(value) if kind == "s" else struct.pack(">" + {"h": "q"}.get(kind, kind), value)
-    return data
-
-
-def bundle(*packets):
-    return b"#bundle\0" + b"\0" * 7 + b"\1" + b"".join(struct.pack(">i", len(packet)) + packet for packet in packets)
 
 
 class Program:
@@ -302,23 +286,12 @@ def test_a_scene_that_is_saved_is_felt(tmp_path):
     assert not held
 
 
-def with_extras(glb, extras):
-    """A .glb whose first node has these extras."""
-    (length,) = struct.unpack_from("<I", glb, 12)
-    document = json.loads(glb[20:20 + length])
-    document["nodes"][0]["extras"] = extras
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    rest = glb[20 + length:]
-    return glb[:8] + struct.pack("<I", 20 + len(text) + len(rest)) + struct.pack("<I", len(text)) + glb[16:20] + text + rest
-
-
 def test_a_scene_with_another_slot_is_refused(tmp_path):
     scene = tmp_path / "scene.glb"
     shutil.copy(ROOT / "assets/cube.glb", scene)
     command = Command(scene, tmp_path, "--reload")
     command.touches("cube")
-    scene.write_bytes(with_extras(scene.read_bytes(), {"palpa_dwell_s": 1e-3}))
+    scene.write_bytes(with_node(scene.read_bytes(), extras={"palpa_dwell_s": 1e-3}))
     command.says("start the run again")
     command.touches("cube")
     stats, lines = command.end()

@@ -11,34 +11,12 @@ import pytest
 
 import palpa
 from commands import ROOT, run
-
-sys.path.insert(0, str(ROOT / "examples/trackers"))
-import mediapipe_hands  # noqa: E402
-import palpa_lines  # noqa: E402
-
-TIP_RADIUS = 0.0065
-
-
-def pointing(index_tip):
-    """MediaPipe's 21 landmarks of a hand above its index finger, which points straight down; the others are shorter."""
-    landmarks = np.zeros((21, 3))
-    landmarks[0] = index_tip + [0.02, 0.17, 0]
-    for finger in range(5):
-        for joint in range(4):
-            above = 0 if finger == 1 else 0.05
-            landmarks[1 + 4 * finger + joint] = index_tip + [0.02 * (finger - 1), above + 0.025 * (3 - joint), 0]
-    return landmarks
-
-
-def hand_at(depth, x=0.0):
-    """A right hand whose index fingertip is so deep below y = 0."""
-    landmarks = pointing(np.array([x, TIP_RADIUS - depth, 0]))
-    return palpa_lines.hand("right", mediapipe_hands.openxr_joints(landmarks), mediapipe_hands.openxr_radii())
+from tracked_hands import TIP_RADIUS, hand, mediapipe_hands, one_finger, palpa_lines, pointing
 
 
 def film(frames):
     """A finger that dips 2 mm into the cube; it moves a little in every frame."""
-    return [palpa_lines.line(0.01 * n, [hand_at(2e-3 * math.sin(0.1 * n), 1e-5 * n)]) for n in range(frames)]
+    return [palpa_lines.line(0.01 * n, [hand(one_finger(2e-3 * math.sin(0.1 * n)), 1e-5 * n)]) for n in range(frames)]
 
 
 @pytest.fixture
@@ -71,7 +49,7 @@ def test_a_run_takes_what_a_program_sends(cube):
         begin = time.monotonic()
         while not ends.wait(0.01):
             t = time.monotonic() - begin
-            sender.send(t, [hand_at(1.5e-3, 1e-4 * math.sin(t))])
+            sender.send(t, [hand(one_finger(1.5e-3), 1e-4 * math.sin(t))])
 
     def on_frame(frame):
         fingers.append(len(frame.fingers))
@@ -95,7 +73,7 @@ def test_what_it_sends_is_recorded_as_lines(cube, tmp_path):
         sender = palpa_lines.Sender(receiver.getsockname()[1])
         recorded = b""
         for n in range(3):
-            sender.send(0.01 * n, [hand_at(2e-3, 1e-5 * n)])
+            sender.send(0.01 * n, [hand(one_finger(2e-3), 1e-5 * n)])
             recorded += receiver.recv(1 << 16)
     file = tmp_path / "hands.jsonl"
     file.write_bytes(recorded)
@@ -129,7 +107,7 @@ def test_of_hands_that_mediapipe_calls_alike_the_surest_is_sent():
 
 
 def test_the_axes_and_joints_of_the_example():
-    landmarks = pointing(np.zeros(3))
+    landmarks = pointing(one_finger(TIP_RADIUS))
     joints = mediapipe_hands.openxr_joints(landmarks)
     assert joints.shape == (26, 3) and len(mediapipe_hands.openxr_radii()) == 26
     assert np.array_equal(joints[10], landmarks[8]) and np.array_equal(joints[25], landmarks[20])

@@ -13,7 +13,8 @@
 namespace palpa::driver::v4l2::test {
 namespace {
 
-void deliver(MadeUpCamera& camera, double time_s) {
+void deliver(MadeUpCamera& camera, double now_s) {
+  const double time_s = now_s - camera.late_s;
   const std::uint64_t frame = camera.next++;
   if (camera.frozen || camera.skipped.contains(frame) || camera.queued.empty()) return;
   const std::uint32_t buffer = camera.queued.front();
@@ -29,7 +30,7 @@ void deliver(MadeUpCamera& camera, double time_s) {
 }
 
 double due_s(const MadeUpCamera& camera) {
-  return camera.phase_s + static_cast<double>(camera.next) / camera.rate_hz;
+  return camera.phase_s + static_cast<double>(camera.next) / camera.rate_hz + camera.late_s;
 }
 
 class MadeUpKernel final : public Kernel {

@@ -19,7 +19,8 @@ namespace palpa::driver::v4l2::test {
 struct MadeUpCamera {
   Node node;
   std::vector<Offer> offers;
-  double rate_hz = 90, phase_s = 0;  ///< frame n is captured at phase_s + n / rate_hz
+  double rate_hz = 90, phase_s = 0;  ///< frame n is captured at phase_s + n / rate_hz, and
+  double late_s = 0;                 ///< comes so long after that
   std::uint32_t padding = 0;         ///< bytes after each row
   std::uint32_t most_buffers = 8;
   bool monotonic = true;      ///< its stamps are on CLOCK_MONOTONIC

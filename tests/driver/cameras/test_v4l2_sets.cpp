@@ -92,6 +92,25 @@ TEST(V4l2Sets, BackUnderAnotherNumberAfterItWasUnplugged) {
   }
 }
 
+TEST(V4l2Sets, FramesThatWereLateNeverTakeTheHandBack) {
+  Rig rig(2);
+  rig.begin();
+  rig.cameras[0]->late_s = 0.09;
+  double newest_s = 0;
+  const auto ascends = [&] {
+    EXPECT_GT(rig.set.time_s, newest_s);
+    newest_s = rig.set.time_s;
+  };
+  rig.longest_gap_s(0.07, ascends);  // in the end, the other one alone
+  rig.cameras[1]->frozen = true;
+  std::uint64_t sets = 0;
+  rig.longest_gap_s(0.3, [&] {
+    ascends();
+    ++sets;
+  });
+  EXPECT_GT(sets, 10u) << "its frames that are newer are taken";
+}
+
 TEST(V4l2Sets, AFewBuffersAreEnough) {
   Rig rig(2);
   for (const auto& camera : rig.cameras)

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""A long run on an emulated board: what it costs over time, and what faults do to it.
+
+    /usr/bin/python3 tests/tools/soak/soak.py build/release/bin [MINUTES [SEED [tracker|cameras]]]
+
+Without a seed, palpa's default run: a synthetic hand and depth cameras. With one, faults at random, half the time with a tracker's hands,
+half with three depth cameras (or with one of both alone): frames that are late, missing, empty or broken, frames that stop, cameras that
+come and go, ten or twenty fingers at once, floods of OSC messages, a scene that is saved again, another model, a board that is held up,
+pulled and put back. Prints memory, files and threads as they are, and at the end the frames, slots and how late drives left. Fails if
+memory grows by more than 1 MB after the first minute (with faults, after half the time), if files or threads become more, if anything sounds later than the hold and 20 ms
+after its cause is gone, if an undisturbed touch has no event, or if palpa fails.
+"""
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import faults
+from board import Emulator, Wire
+
+ROOT = faults.ROOT
+SOURCES = {"tracker": (faults.Tracker, "palpa", "joints:udp:{}"), "cameras": (faults.Cameras, "soak_palpa", "fed:{}")}
+
+
+def state(process):
+    folder = Path(f"/proc/{process}")
+    status = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines())
+    return {"kb": int(status["RssAnon"].split()[0]), "files": len(list((folder / "fd").iterdir())), "threads": int(status["Threads"])}
+
+
+def guard_of(process):
+    for child in Path(f"/proc/{process}/task/{process}/children").read_text().split():
+        if "palpa-guard" in Path(f"/proc/{child}/comm").read_text():
+            return int(child)
+    return None
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def watch(run, until, minutes, series):
+    """Looks every few seconds until the run ends. Then asks it to end."""
+    begin = time.monotonic()
+    while time.monotonic() < until and run.poll() is None:
+        guard = guard_of(run.pid)
+        series.append((time.monotonic() - begin, state(run.pid), state(guard) if guard else None))
+        if len(series) % max(1, round(minutes)) == 1:
+            at, loop, held = series[-1]
+            print(f"{at:7.0f} s  loop {loop['kb'] / 1e3:7.2f} MB {loop['files']:3} files {loop['threads']:3} threads   "
+                  f"guard {held['kb'] / 1e3:6.2f} MB {held['files']:3} files" if held else f"{at:7.0f} s", flush=True)
+        time.sleep(min(5.0, max(0.0, until - time.monotonic())))
+
+
+def live_run(programs, minutes, seed, source):
+    """Its result, how it ended, what it said, its events, its state over time, and its faults; none without a seed."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        # Memory is filled when it is taken. Otherwise it would come page by page, and look like a leak.
+        environment = {**os.environ, "XDG_RUNTIME_DIR": name, "MALLOC_PERTURB_": "85"}
+        kind, program, spec = SOURCES.get(source, (None, "palpa", None))
+        scene, port, messages = folder / "scene.glb", free_port(), free_port()
+        scene.write_bytes(faults.scene_of("cube", kind.scale if kind else 1))
+        emulator = Emulator(str(programs / "palpa"), folder, environment, kind is not None)
+        wire = Wire(emulator.fifo) if kind else None
+        emulator.start()
+        line = [str(programs / program), "run", "--scene", str(scene), "--layout", "openmpd", "--link", "openmpd:EMU1", "--json", "-",
+                "--events", str(folder / "events")]
+        if kind:
+            line += ["--source", spec.format(port), "--osc", str(messages), "--reload", "--steps", "off", "--predict", "off"]
+        if kind is faults.Cameras:
+            (folder / "rig.toml").write_text(faults.rig_of_cameras())
+            line += ["--rig", str(folder / "rig.toml")]
+        run = subprocess.Popen(line, env=environment, stdout=subprocess.PIPE, stderr=open(folder / "said", "w"), text=True)
+        until, series, done = time.monotonic() + 60 * minutes, [], None
+        try:
+            if kind is None:
+                watch(run, until, minutes, series)
+            else:
+                done = kind(port, seed, run, emulator, wire, messages, scene)
+                watching = threading.Thread(target=watch, args=(run, until, minutes, series), daemon=True)
+                time.sleep(3)
+                watching.start()
+                done.go_on(until)
+        finally:
+            run.send_signal(signal.SIGINT)
+            result = run.communicate()[0]
+            time.sleep(0.3)
+            emulator.stop()
+        events = [json.loads(one) for one in (folder / "events").read_text().splitlines()]
+        return result, run.returncode, (folder / "said").read_text(), events, series, done
+
+
+def growth(series, settled):
+    """What grew after that time."""
+    for which, who in ((1, "loop"), (2, "guard")):
+        before, after = ([one[which] for one in series if one[which] and (one[0] > settled) == late] for late in (False, True))
+        if not after:
+            continue
+        for what, most in (("kb", 1000), ("files", 0), ("threads", 0)):
+            if (more := max(one[what] for one in after) - max(one[what] for one in before)) > most:
+                yield f"the {who}'s {what} grew by {more} after {settled:.0f} s"
+
+
+def touches_of(events):
+    """How many touches began and ended, and how many there were at once."""
+    now = began = ended = most = 0
+    for event in events:
+        began, ended = began + (event["event"] == "touch"), ended + (event["event"] == "release")
+        most = max(most, began - ended)
+    return began, ended, most
+
+
+def faulty(done, began, most):
+    print("faults: " + ", ".join(f"{count} {kind}" for kind, count in sorted(done.done.items())))
+    late = done.wire.late
+    print(f"{done.touches} undisturbed touches; the last sound after a cause: {max(late, default=0):.3f} s too late")
+    if late:
+        yield f"{len(late)} times, something sounded up to {max(late):.3f} s after its cause"
+    if began < done.touches:
+        yield f"{done.touches} undisturbed touches have only {began} events"
+    if done.done.get("many_fingers") and most < done.fingers:
+        yield f"of {done.fingers} fingers at once, {most} were felt"
+
+
+def soak(programs, minutes, seed=None, source=None):
+    """Prints what happened, and returns what is wrong."""
+    result, code, said, events, series, done = live_run(programs, minutes, seed, source)
+    wrong = [] if code == 0 and result else [f"palpa ended with {code}: {said[-500:]}"]
+    # Faults reach the most that they need only after a few turns.
+    settled = 60 if done is None else max(60, series[-1][0] / 2)
+    if done is None or (done.first_turn and done.first_turn < settled):
+        wrong += growth(series, settled)
+    else:
+        print("too short to find leaks: each fault must come once in the first half")
+    if result:
+        stats = json.loads(result)
+        jitter = stats["timing_ms"]["drive_jitter"]
+        print(f"{stats['frames']['captured']} frames, {stats['frames'].get('replaced', 0)} replaced; {stats['drives']['sent']} slots, "
+              f"{stats['drives']['skipped_slots']} left out; late by p50 {jitter['median']} p99 {jitter['p99']} p99.9 {jitter['p999']} "
+              f"max {jitter['max']} ms; {stats.get('scheduling')}; {stats['hand_over']['drives']}")
+    began, ended, most = touches_of(events)
+    print(f"{began} touches, {ended} releases; at most {most} at once")
+    if began != ended:
+        wrong.append(f"{began} touches and {ended} releases")
+    if done is not None:
+        wrong += faulty(done, began, most)
+    wrong += ["palpa said: " + one for one in said.splitlines() if one.startswith("palpa: error")][:1]
+    return wrong
+
+
+def main():
+    programs, minutes = Path(sys.argv[1]), float(sys.argv[2]) if len(sys.argv) > 2 else 10.0
+    wrong = []
+    if len(sys.argv) < 4:
+        wrong = soak(programs, minutes)
+    else:
+        sources = sys.argv[4:] or list(SOURCES)
+        for source in sources:
+            print(f"{source}:", flush=True)
+            wrong += [f"{source}: {one}" for one in soak(programs, minutes / len(sources), int(sys.argv[3]), source)]
+    for one in wrong:
+        print("soak: " + one)
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == "__main__":
+    main()
