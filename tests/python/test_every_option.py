@@ -12,6 +12,9 @@ import pytest
 
 import palpa
 from commands import PALPA, ROOT, in_python, run, same_but_times
+from palpa import _engine
+
+pytestmark = pytest.mark.times  # other tests run the same code under a sanitizer
 
 TAKE = f"recording:{ROOT}/assets/depth/take"
 PARTS = "--surface parts --parts 3"
@@ -189,6 +192,7 @@ BACKEND = {"touch", "drive", "field", "simulate", "export"}
 OPTIONS = [(command, option, kind) for command in LINES for option, kind in options_of_help(command).items()]
 
 
+@pytest.mark.filterwarnings("ignore::palpa.PalpaWarning")
 @pytest.mark.parametrize("command, option, kind", OPTIONS)
 def test_an_option_in_python_is_the_commands(command, option, kind, folder):
     if UNTRIED.get(f"{command} {option}"):
@@ -201,3 +205,13 @@ def test_an_option_in_python_is_the_commands(command, option, kind, folder):
     before, after = of_the_command(tuple(words), folder), of_the_command(given, folder)
     assert after != before and after[0] != 2, "an option is tried on a line on which it makes a difference, or has a reason why not"
     assert of_python(given, folder) == after
+
+
+def test_every_function_with_options_is_called_or_known():
+    called = {"Scene", "Scene.touch", "Layout.solve", "Layout.solve_touch", "Layout.field", "simulate", "scatter", "export", "decompose", "calibrate"}
+    other = {
+        "Session": "a run measures itself: it reads the same options as export, and test_same_numbers.py compares its counts",
+        "Sensation.play": "a run, too: test_sensations.py", "export_played": "test_same_numbers.py", "figure6": "test_same_numbers.py",
+        "learn_background": "test_same_numbers.py", "write_target": "test_same_numbers.py", "write_nudged_rig": "test_same_numbers.py",
+        "Layout.drive": "the vector of Layout.solve", "Layout.transfer": "test_frames.py", "FingerSound": "test_misuse.py"}
+    assert {name for name in _engine._options() if name not in other} == called

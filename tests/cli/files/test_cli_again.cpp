@@ -15,6 +15,7 @@
 #include "cli/support/here.hpp"
 #include "geometry/gltf/write.hpp"
 #include "support/files.hpp"
+#include "support/instrumented.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 
@@ -67,6 +68,7 @@ class Again : public testing::Test {
 };
 
 TEST_F(Again, EveryCommandIsAsTheFirstTime) {
+  if (instrumented()) GTEST_SKIP() << "skipped: test_cli_every_option.cpp runs the same commands";
   // It runs until a signal comes; it measures; it needs a display.
   const std::set<std::string> other{"emulate", "bench", "study run"};
   for (const std::string& command : every_command()) {
