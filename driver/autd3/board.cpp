@@ -38,17 +38,6 @@ void check(const array::Layout& layout) {
     throw bad_input("layout " + layout.name, "link autd3 drives AUTD3 units only, such as those of autd3 and paper");
 }
 
-std::uint16_t divider_of(double slot_s) {
-  const double periods = slot_s * period_hz;
-  if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= 65535)) {
-    throw bad_usage(
-        fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
-                    "is, such as {:g}ms",
-                    1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
-  }
-  return static_cast<std::uint16_t>(std::lround(periods));
-}
-
 const array::BoardType& type() {
   return *array::find_board_type("autd3");
 }

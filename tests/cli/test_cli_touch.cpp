@@ -212,10 +212,10 @@ TEST(TouchAudible, SaysWhereThereAreFewerSteps) {
 }
 
 TEST(TouchAudible, ALongDwellHasALevelToo) {
-  const auto level_of = [](const std::string& dwell) {
-    return audible_touch({"--layout", "openmpd", "--steps", "off", "--dwell", dwell})["audible_dba"];
+  const auto level_of = [](const std::string& dwell, const std::string& told) {
+    return audible_touch({"--layout", "openmpd", "--steps", "off", "--dwell", dwell}, told)["audible_dba"];
   };
-  const json at_20 = level_of("20ms"), at_80 = level_of("80ms");
+  const json at_20 = level_of("20ms", ""), at_80 = level_of("80ms", "--dwell of 80ms is long");
   for (const int end : {0, 1})
     EXPECT_NEAR(at_20[end].get<double>() - at_80[end].get<double>(), 10 * std::log10(4.0), 0.1) << end;
 }

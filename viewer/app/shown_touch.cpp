@@ -145,7 +145,7 @@ void ShownTouch::show_skin(const setup::TouchInput& input, std::span<const geome
   for (const sensing::SkinPoint& point : flying)
     picture_.dropped_points.push_back(point.position);
   picture_.dropped_count = flying.size();
-  picture_.skin_count = points.size();
+  picture_.skin_count = picture_.skin_points.size() + picture_.contacts.size();
   if (!picture_.fingers.empty()) return;
   const auto nearest = setup::nearest_skin(solids, input);
   picture_.untouched = why_untouched(

@@ -1,4 +1,4 @@
-// What a person who is guided through a task is told.
+// The texts that guide a person through a task.
 #pragma once
 
 #include <string>

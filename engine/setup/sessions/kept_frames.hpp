@@ -19,7 +19,7 @@ class KeptFrames final : public sensing::DepthSource {
     if (out.came()) keep(out);
     return true;
   }
-  /// Of many frames, from 4 to 7, at equal distances; all if there are fewer than 8.
+  /// All frames if there are at most 7; otherwise 4 to 7 of them, at equal distances.
   const std::vector<sensing::FrameSet>& frames() const { return kept_; }
 
  private:
