@@ -213,5 +213,5 @@ def test_every_function_with_options_is_called_or_known():
         "Session": "a run measures itself: it reads the same options as export, and test_same_numbers.py compares its counts",
         "Sensation.play": "a run, too: test_sensations.py", "export_played": "test_same_numbers.py", "figure6": "test_same_numbers.py",
         "learn_background": "test_same_numbers.py", "write_target": "test_same_numbers.py", "write_nudged_rig": "test_same_numbers.py",
-        "Layout.drive": "the vector of Layout.solve", "Layout.transfer": "test_frames.py", "FingerSound": "test_misuse.py"}
+        "Layout.drive": "the vector of Layout.solve", "Layout.transfer": "test_frames.py", "FingerBody": "test_misuse.py", "FingerSound": "test_misuse.py"}
     assert {name for name in _engine._options() if name not in other} == called
