@@ -23,7 +23,6 @@
 #include "setup/sessions/touch_run.hpp"
 #include "setup/sessions/touch_schedule.hpp"
 #include "touch/fingers/sight.hpp"
-#include "viewer/picture/flying.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -139,7 +138,7 @@ void ShownTouch::show_skin(const setup::TouchInput& input, std::span<const geome
   if (!input.cameras.empty()) {
     const sensing::RayTables rays = sensing::make_rays(input.cameras);
     const std::vector<touch::SightCamera> cameras = touch::sight_cameras(input.cameras, rays);
-    part_flying({cameras, rays, input.frames}, points, flying);
+    touch::part_flying({cameras, rays, input.frames}, points, flying);
   }
   show_touch(picture_, solids, points, touch);
   for (const sensing::SkinPoint& point : flying)

@@ -11,7 +11,6 @@
 #include "base/log.hpp"
 #include "base/system/start_thread.hpp"
 #include "session/threads.hpp"
-#include "viewer/picture/flying.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -290,7 +289,8 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   next.images = set;
   next.skin.wants_leavings = true;
   near_->find(set, next.skin);
-  if (!set.frames.empty()) part_flying({sight_, near_->rays(), set.frames}, next.skin.points, next.skin.leavings);
+  if (!set.frames.empty())
+    touch::part_flying({sight_, near_->rays(), set.frames}, next.skin.points, next.skin.leavings);
   next.untouched.clear();
   if (!touches_) next.untouched = setup::why_untouched(near_->nearest(next.skin.points), session_->solids());
   seen_.publish();

@@ -23,6 +23,7 @@
 #include "setup/sessions/near_skin.hpp"
 #include "setup/sessions/null_watch.hpp"
 #include "setup/sessions/tracker.hpp"
+#include "touch/fingers/sight.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -190,10 +191,12 @@ void LiveRun::watch_scene() {
 void LiveRun::find_why_untouched(std::span<const sensing::FrameSet> frames, session::LoopStats& stats) {
   if (stats.touching > 0 || stats.planned == 0 || osc_ || before_frame_) return;
   NearSkin near(session().setting());
+  const std::vector<touch::SightCamera> cameras = touch::sight_cameras(session().setting().cameras, near.rays());
   sensing::SkinOfFrame skin;
   std::optional<NearestSkin> nearest;
   for (const sensing::FrameSet& set : frames) {
     near.find(set, skin);
+    if (!set.frames.empty()) touch::part_flying({cameras, near.rays(), set.frames}, skin.points, skin.leavings);
     const std::optional<NearestSkin> found = near.nearest(skin.points);
     if (found && (!nearest || found->distance_m < nearest->distance_m)) nearest = found;
   }

@@ -127,6 +127,14 @@ bool is_firm(const Sight& sight, std::uint32_t point) {
   return near >= company;
 }
 
+void part_flying(const Sight& sight, std::vector<sensing::SkinPoint>& points, std::vector<sensing::SkinPoint>& flying) {
+  std::erase_if(points, [&](const sensing::SkinPoint& point) {
+    const bool flies = !is_firm(sight, point.index);
+    if (flies) flying.push_back(point);
+    return flies;
+  });
+}
+
 glm::vec3 normal_at(const Sight& sight, std::uint32_t point) {
   const auto [c, u, v] = pixel_of(sight, point);
   const SightCamera& camera = sight.cameras[c];

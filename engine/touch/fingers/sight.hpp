@@ -10,6 +10,7 @@
 #include "sensing/camera.hpp"
 #include "sensing/depth_source.hpp"
 #include "sensing/rays.hpp"
+#include "sensing/skin_point.hpp"
 #include "touch/fingers/exact.hpp"
 #include "touch/types.hpp"
 
@@ -67,6 +68,9 @@ float noise_at(float depth);
 
 /// Whether enough pixels around a contact's pixel, itself included, are about as far away. Flying pixels are not firm.
 bool is_firm(const Sight& sight, std::uint32_t point);
+
+/// Moves flying pixels from `points` to the end of `flying`. Both keep their order.
+void part_flying(const Sight& sight, std::vector<sensing::SkinPoint>& points, std::vector<sensing::SkinPoint>& flying);
 
 /// The skin's outward normal at a contact's pixel. It is zero if the pixel's neighbours do not give one: such pixels
 /// lie on rims or float beside them.

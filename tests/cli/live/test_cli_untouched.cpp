@@ -26,7 +26,7 @@ Result run_of_cube_frames(const std::filesystem::path& folder, const Box& object
   static const std::filesystem::path take = [] {
     const std::filesystem::path made = scratch_folder("untouched") / "take";
     const Result record = palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "5",
-                                      "--every-frame", "--noise-free", "--backend", "cpu", "--record", made.string()});
+                                      "--every-frame", "--backend", "cpu", "--record", made.string()});
     EXPECT_EQ(record.exit_code, 0) << record.err;
     EXPECT_EQ(record.out.find("nothing touched"), std::string::npos) << "the finger touched";
     return made;

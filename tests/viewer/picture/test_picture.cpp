@@ -8,8 +8,8 @@
 
 #include "session/plan/voice.hpp"
 #include "support/cameras.hpp"
+#include "touch/fingers/sight.hpp"
 #include "viewer/picture/colour_bars.hpp"
-#include "viewer/picture/flying.hpp"
 #include "viewer/picture/palette.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/overlay.hpp"
@@ -269,7 +269,7 @@ TEST(Flying, PixelsBesideARimAreNoSkin) {
   const std::size_t before = points.size();
   const sensing::RayTables rays = sensing::make_rays({&camera, 1});
   const std::vector<touch::SightCamera> cameras = touch::sight_cameras({&camera, 1}, rays);
-  part_flying({cameras, rays, {&frame, 1}}, points, flying);
+  touch::part_flying({cameras, rays, {&frame, 1}}, points, flying);
   ASSERT_EQ(flying.size(), 1u);
   EXPECT_EQ(flying[0].index, 12u * 32 + 17);
   EXPECT_EQ(points.size(), before - 1);

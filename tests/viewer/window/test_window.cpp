@@ -25,7 +25,9 @@
 #include "screen_test.hpp"
 #include "support/files.hpp"
 #include "support/instrumented.hpp"
+#include "support/occurrences.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 #include "support/udp_receiver.hpp"
 
 namespace palpa::test {
@@ -273,7 +275,8 @@ TEST_F(Window, AScriptWithSoundIsPlayedThroughAndFilmed) {
   const Result result = run(with(touch_, {"--skin", ball, "--show", "heat,slice,sections", "--video", film,
                                           "--interact", (folder_ / "log").string()}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "") << "the layers were silent";
+  EXPECT_CONTAINS(result.err, "ball.ply is not the surface of --points");
+  EXPECT_EQ(occurrences(result.err, "\n"), 1u) << "the layers were silent: " << result.err;
   bool resized = false;
   for (const auto& file : fs::directory_iterator(film))
     resized = resized || drawing::read_png(file.path()).width == 640;
