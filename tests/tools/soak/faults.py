@@ -26,10 +26,10 @@ class Faults:
     `fault(...)` may send something else instead, and then returns true. `leave()` sends a frame without a finger."""
     scale = 1  # of the scene, across
 
-    def __init__(self, seed, run, emulator, wire, messages, scene):
-        self.random, self.run, self.emulator, self.wire, self.scene = random.Random(seed), run, emulator, wire, scene
+    def __init__(self, seed, run, emulator, messages, scene):
+        self.random, self.run, self.emulator, self.wire, self.scene = random.Random(seed), run, emulator, emulator.wire, scene
         self.socket, self.osc = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), ("127.0.0.1", messages)
-        self.touches, self.done, self.first_turn = 0, {}, None
+        self.quiet, self.done, self.first_turn = [], {}, None  # begin, end and touches of what nothing disturbed
 
     def wait(self, until):
         time.sleep(max(0.0, until - time.monotonic()))
@@ -55,8 +55,9 @@ class Faults:
         self.wait(time.monotonic() + 0.3)
 
     def undisturbed(self):
+        begin = time.monotonic()
         self.dips(3.0)
-        self.touches += 3
+        self.quiet.append((begin, time.monotonic(), 3))
 
     def many_fingers(self):
         self.dips(2.0, many=True)
@@ -81,7 +82,7 @@ class Faults:
         before = self.wire.last_sound
         self.dips(1.0)
         if self.wire.last_sound != before:
-            self.wire.late.append(self.wire.last_sound - before)
+            self.wire.late.append((self.wire.last_sound - before, "muted"))
         self.socket.sendto(message("/palpa/mute", "f", 0), self.osc)
 
     def reload(self):
@@ -111,6 +112,11 @@ class Faults:
         return [self.late, self.missing, self.empty, self.broken, self.many_fingers, self.frames_stop, self.osc_flood, self.muted,
                 self.reload, self.board_held_up, self.board_pulled]
 
+    def await_first_touch(self, events):
+        """Until palpa is there."""
+        while self.run.poll() is None and not (events.exists() and events.stat().st_size):
+            self.dips(1.0)
+
     def go_on(self, until):
         begin = time.monotonic()
         while time.monotonic() < until and self.run.poll() is None:
@@ -118,8 +124,10 @@ class Faults:
             for kind in self.random.sample(kinds, len(kinds)):
                 if time.monotonic() >= until or self.run.poll() is not None:
                     return
+                self.wire.doing = kind.__name__
                 kind()
                 self.done[kind.__name__] = self.done.get(kind.__name__, 0) + 1
+                self.wire.doing = f"undisturbed after {kind.__name__}"
                 self.undisturbed()
             self.first_turn = self.first_turn or time.monotonic() - begin
 

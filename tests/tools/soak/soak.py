@@ -22,7 +22,7 @@ import time
 from pathlib import Path
 
 import faults
-from board import Emulator, Wire
+from board import Emulator
 
 ROOT = faults.ROOT
 SOURCES = {"tracker": (faults.Tracker, "palpa", "joints:udp:{}"), "cameras": (faults.Cameras, "soak_palpa", "fed:{}")}
@@ -70,7 +70,6 @@ def live_run(programs, minutes, seed, source):
         scene, port, messages = folder / "scene.glb", free_port(), free_port()
         scene.write_bytes(faults.scene_of("cube", kind.scale if kind else 1))
         emulator = Emulator(str(programs / "palpa"), folder, environment, kind is not None)
-        wire = Wire(emulator.fifo) if kind else None
         emulator.start()
         line = [str(programs / program), "run", "--scene", str(scene), "--layout", "openmpd", "--link", "openmpd:EMU1", "--json", "-",
                 "--events", str(folder / "events")]
@@ -80,15 +79,15 @@ def live_run(programs, minutes, seed, source):
             (folder / "rig.toml").write_text(faults.rig_of_cameras())
             line += ["--rig", str(folder / "rig.toml")]
         run = subprocess.Popen(line, env=environment, stdout=subprocess.PIPE, stderr=open(folder / "said", "w"), text=True)
-        until, series, done = time.monotonic() + 60 * minutes, [], None
+        series, done = [], None
         try:
             if kind is None:
-                watch(run, until, minutes, series)
+                watch(run, time.monotonic() + 60 * minutes, minutes, series)
             else:
-                done = kind(port, seed, run, emulator, wire, messages, scene)
-                watching = threading.Thread(target=watch, args=(run, until, minutes, series), daemon=True)
-                time.sleep(3)
-                watching.start()
+                done = kind(port, seed, run, emulator, messages, scene)
+                done.await_first_touch(folder / "events")
+                until = time.monotonic() + 60 * minutes
+                threading.Thread(target=watch, args=(run, until, minutes, series), daemon=True).start()
                 done.go_on(until)
         finally:
             run.send_signal(signal.SIGINT)
@@ -119,16 +118,19 @@ def touches_of(events):
     return began, ended, most
 
 
-def faulty(done, began, most):
+def faulty(done, events, fingers):
     print("faults: " + ", ".join(f"{count} {kind}" for kind, count in sorted(done.done.items())))
     late = done.wire.late
-    print(f"{done.touches} undisturbed touches; the last sound after a cause: {max(late, default=0):.3f} s too late")
     if late:
-        yield f"{len(late)} times, something sounded up to {max(late):.3f} s after its cause"
-    if began < done.touches:
-        yield f"{done.touches} undisturbed touches have only {began} events"
-    if done.done.get("many_fingers") and most < done.fingers:
-        yield f"of {done.fingers} fingers at once, {most} were felt"
+        most, doing = max(late)
+        yield f"{len(late)} times, something sounded too long after its cause, most {most:.3f} s ({doing})"
+    felt = [sum(event["event"] == "touch" and begin <= event["time_s"] <= end for event in events) for begin, end, _ in done.quiet]
+    lost = sum(max(0, touches - found) for found, (_, _, touches) in zip(felt, done.quiet))
+    print(f"{sum(touches for _, _, touches in done.quiet)} undisturbed touches, {lost} without an event")
+    if lost:
+        yield f"{lost} undisturbed touches have no event"
+    if done.done.get("many_fingers") and fingers < done.fingers:
+        yield f"of {done.fingers} fingers at once, {fingers} were felt"
 
 
 def soak(programs, minutes, seed=None, source=None):
@@ -147,12 +149,14 @@ def soak(programs, minutes, seed=None, source=None):
         print(f"{stats['frames']['captured']} frames, {stats['frames'].get('replaced', 0)} replaced; {stats['drives']['sent']} slots, "
               f"{stats['drives']['skipped_slots']} left out; late by p50 {jitter['median']} p99 {jitter['p99']} p99.9 {jitter['p999']} "
               f"max {jitter['max']} ms; {stats.get('scheduling')}; {stats['hand_over']['drives']}")
+        if done is None and sum(one["event"] == "touch" for one in events) < stats["seconds"] // 2 - 1:
+            wrong.append("the finger touches every 2 s, but some touches have no event")
     began, ended, most = touches_of(events)
     print(f"{began} touches, {ended} releases; at most {most} at once")
     if began != ended:
         wrong.append(f"{began} touches and {ended} releases")
     if done is not None:
-        wrong += faulty(done, began, most)
+        wrong += faulty(done, events, most)
     wrong += ["palpa said: " + one for one in said.splitlines() if one.startswith("palpa: error")][:1]
     return wrong
 
