@@ -43,10 +43,6 @@ class BoardNotes {
   virtual void waits(std::string_view line) noexcept = 0;    ///< why opening is slow, written at once
 };
 
-/// What boards that go from drive to drive in steps say where drives are silent at places.
-inline constexpr std::string_view jumps_with_nulls =
-    "with nulls, phases jump from drive to drive, because what lies between two drives is not silent there";
-
 /// How a board is to be opened. It goes from the link to the guard's Board as one value.
 struct BoardSpec {
   std::string argument;    ///< what follows the colon of `--link openmpd:SERIAL,SERIAL`

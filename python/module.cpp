@@ -21,7 +21,7 @@
 #include "base/words.hpp"
 #include "driver/guard/process.hpp"
 #include "running.hpp"
-#include "setup/files/asset_folder.hpp"
+#include "setup/files/assets.hpp"
 
 namespace palpa::python {
 

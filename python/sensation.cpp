@@ -68,7 +68,7 @@ std::map<std::string, double> values_of(const py::dict& given) {
 std::map<std::string, double> known_values(const py::dict& given, const sensation::Pattern& pattern) {
   std::map<std::string, double> values = values_of(given);
   for (const auto& [name, value] : values)
-    setup::check_parameter(name, value, pattern);
+    setup::check_parameter("parameters", name, value, pattern);
   return values;
 }
 
@@ -141,7 +141,7 @@ std::map<std::string, std::vector<double>> courses_of(const py::object& paramete
     if (!PyUnicode_Check(key.ptr())) throw bad_usage("parameters: give names as texts");
     const std::string name = bytes_of("parameters", key);
     std::vector<double> numbers = numbers_of(name, value);
-    if (!pattern.parameter(name)) setup::check_parameter(name, 0, pattern);
+    if (!pattern.parameter(name)) setup::check_parameter("parameters", name, 0, pattern);
     if (numbers.size() == 1) numbers.resize(times, numbers[0]);
     if (numbers.size() != times)
       throw bad_usage(fmt::format("parameters: {} has {} values for {} times", name, numbers.size(), times));
@@ -206,7 +206,7 @@ py::object evaluate(SensationObject& o, const py::object& times_given, const py:
 
 // ---- playing --------------------------------------------------------------------------------------------------------
 
-constexpr std::initializer_list<const char*> not_here = {"--param", "--speed", "--csv", "--png"};
+constexpr std::initializer_list<const char*> not_here = {"--param", "--csv", "--png"};
 constinit DeclaredOnce<setup::PlayOptions> play_options("Sensation.play", setup::add_play_options, not_here);
 
 session::OutputStats open_and_play(SensationObject& o, const setup::PlayOptions& options, bool ends) {
@@ -225,9 +225,11 @@ py::dict play(const std::shared_ptr<SensationObject>& o, bool ends, bool paused,
   setup::PlayOptions options = play_options().read(kwargs);
   options.names = {o->name};
   setup::check(options);
+  if (o->pattern == nullptr && options.speed != 1) o->needed_pattern("speed");
   if (o->playing.exchange(true)) throw bad_usage("the sensation plays already: stop() ends that");
   o->stop = false;
   if (!paused) o->control.play(0);
+  if (o->pattern != nullptr) o->pattern->set_speed(options.speed);
   o->made->take_changes();
   session::OutputStats stats;
   try {
@@ -271,7 +273,7 @@ Parameters
 sensation : path or callable
     A pattern's file, one of palpa's own ("circle", "heartbeat", "lateral", "point" or "sweep"), or a function. It takes
     an array of times in seconds, and returns places in metres, of shape (n, 3), in the array's frame, and gains from 0
-    to 1, of shape (n,).
+    to 1, of shape (n,). Numbers that are not finite end play() with an error.
 **parameters : float
     Values of the pattern's parameters.)";
 constexpr const char* evaluate_doc =
@@ -353,9 +355,12 @@ void add_sensation(py::module_& m) {
       .def(
           "set_matrix",
           [](SensationObject& o, const py::object& matrix) {
-            o.needed_pattern("set_matrix").set_matrix(transform_of("matrix", matrix));
+            o.needed_pattern("set_matrix").set_matrix(matrix_of("matrix", matrix));
           },
-          py::arg("matrix"), "Apply a matrix of shape (4, 4) to places in millimetres, before the brush.")
+          py::arg("matrix"),
+          "Apply a matrix of shape (4, 4) to places in millimetres, before the brush. It need not be rigid: results "
+          "are "
+          "divided by their fourth coordinate.")
       .def(
           "start", [](SensationObject& o, double time, double delay) { o.control.play(time, std::max(delay, 0.0)); },
           py::arg("time") = 0.0, py::arg("delay") = 0.0, "Play from this time on, in seconds, after a delay.")

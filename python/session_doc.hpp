@@ -52,7 +52,8 @@ on_event : callable, optional
 inline constexpr const char* run_doc = R"(Run the live loop until it ends, and return what it measured.
 
 Ctrl-C ends it in silence and raises KeyboardInterrupt; a second one leaves a callback that does not return. An exception
-of a callback, a method or a solver ends it in silence at once, without a ramp, and is raised here.
+of a callback, a method or a solver ends it in silence at once, without a ramp, and is raised here. Afterwards, the
+process is as before: its limits, its handler of SIGXCPU, its locked memory, the priority of its threads.
 
 Parameters
 ----------

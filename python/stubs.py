@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""stubs.py FILE: writes the stubs of the module `palpa` from the module itself: its signatures, its docstrings and its options."""
+"""stubs.py FILE: writes the stubs of the module `palpa` from the module: its signatures, docstrings and options."""
 import inspect
 import pathlib
 import re
@@ -11,10 +11,11 @@ import palpa  # noqa: E402  pylint: disable=wrong-import-position
 
 PATH = "_Path"
 WORDS = {  # the types in docstrings, and in stubs; the first that fits a part of a text counts
-    "array_like": "ArrayLike", "dict": "dict[str, Any]", "(vertices, faces)": "tuple[ArrayLike, ArrayLike]", "(float, float)": "tuple[float, float]",
-    "(int, int)": "tuple[int, int]", "path": PATH, "float": "float", "int": "int", "bool": "bool | np.bool_", "str": "str", "callable": "Callable[..., Any]",
+    "array_like": "ArrayLike", "dict": "dict[str, Any]", "(vertices, faces)": "tuple[ArrayLike, ArrayLike]",
+    "(float, float)": "tuple[float, float]", "(int, int)": "tuple[int, int]", "path": PATH, "float": "float",
+    "int": "int", "bool": "bool | np.bool_", "str": "str", "callable": "Callable[..., Any]",
 }
-ARRAYS = {"float64": "np.float64", "complex128": "np.complex128", "uint32": "np.uint32", "uint16": "np.uint16", "int64": "np.int64"}
+ARRAYS = {name: f"np.{name}" for name in ("float64", "complex128", "uint32", "uint16", "int64")}
 NUMBERS = {"LENGTH", "TIME", "FREQUENCY", "SPEED", "PRESSURE", "CELSIUS", "PERCENT"}
 
 
@@ -133,14 +134,17 @@ def function(name, target, indent, owner=None):
         arguments += ([] if keywords else ["*"]) + options
     elif "**kwargs" in head:
         arguments.append("**options: Any")
-    result = "None" if name == "__init__" else {"None": "None", "int": "int", "str": "str"}.get(match[3] if match else "", None)
+    result = "None" if name == "__init__" else None
+    if result is None and match and match[3] in ("None", "int", "str"):
+        result = match[3]
     returned = section(body, "Returns")
     if returned:
         result = shown_type(returned[0])
     elif result is None and match and match[3] and (found := re.match(r"palpa\._engine\.(\w+)$", match[3])):
         result = found[1]
     elif result is None or (body.strip() and not returned and name != "__init__"):
-        result = shown_type(body.strip().splitlines()[0]) if body.strip() and ":" in body.strip().splitlines()[0] else result or "Any"
+        first = body.strip().split("\n")[0]
+        result = shown_type(first) if ":" in first else result or "Any"
     line = f"{indent}def {name}({', '.join(arguments)}) -> {result}: ..."
     if len(line) > 120:
         inner = f",\n{indent}    ".join(arguments)
@@ -183,14 +187,20 @@ def class_lines(name, cls):
 
 
 def text():
-    lines = ['"""Made by python/stubs.py from the module itself."""', "from collections.abc import Callable, Sequence", "from os import PathLike",
-             "from typing import Any, Literal, Union", "", "import numpy as np", "from numpy.typing import ArrayLike, NDArray", "",
+    lines = ['"""Made by python/stubs.py from the module itself."""',
+             "from collections.abc import Callable, Sequence", "from os import PathLike",
+             "from typing import Any, Literal, Union", "", "import numpy as np",
+             "from numpy.typing import ArrayLike, NDArray", "",
              "_Path = Union[str, PathLike[str]]", "__version__: str", ""]
     public = palpa.__all__
     lines += ["__all__ = ["] + [f'    "{name}",' for name in public] + ["]", ""]
     classes = [name for name in public if inspect.isclass(getattr(palpa, name))]
-    classes.sort(key=lambda name: (not issubclass(getattr(palpa, name), Exception), len(getattr(palpa, name).__mro__) if issubclass(
-        getattr(palpa, name), Exception) else 0, name))
+
+    def place(name):  # errors first, bases before what is derived from them
+        cls = getattr(palpa, name)
+        return (0, len(cls.__mro__), name) if issubclass(cls, Exception) else (1, 0, name)
+
+    classes.sort(key=place)
     for name in classes:
         lines += class_lines(name, getattr(palpa, name)) + [""]
     for name in public:

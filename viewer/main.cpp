@@ -7,6 +7,7 @@
 #include "viewer/run/command.hpp"
 #include "viewer/run/run.hpp"
 #include "viewer/run/study_line.hpp"
+#include "viewer/run/touch_line.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -23,12 +24,17 @@ void parse_and_run(int argc, char** argv) {
     if (const std::optional<setup::StudyRunOptions> study = read_study_line(argc, argv)) run_study(*study, kinds);
     return;
   }
+  if (asks_for_touches(argc, argv)) {
+    if (const std::optional<TouchLine> line = read_touch_line(argc, argv))
+      run_by_touch(*line, kinds, line->options.headless ? run_scripted : run_window);
+    return;
+  }
   const std::optional<ViewerOptions> options = read_line(argc, argv);
   if (!options) return;
   if (options->headless) {
     run_without_window(*options, kinds);
   } else {
-    run_window(*options, kinds);
+    run_window(*options, kinds, nullptr);
   }
 }
 

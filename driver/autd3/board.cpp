@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "array/layouts/board_types.hpp"
+#include "array/layouts/changes.hpp"
 #include "base/error.hpp"
 #include "base/system/now.hpp"
 #include "driver/autd3/pattern.hpp"
@@ -36,15 +38,8 @@ void check(const array::Layout& layout) {
     throw bad_input("layout " + layout.name, "link autd3 drives AUTD3 units only, such as those of autd3 and paper");
 }
 
-std::uint16_t divider_of(double slot_s) {
-  const double periods = slot_s * period_hz;
-  if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= 65535)) {
-    throw bad_usage(
-        fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
-                    "is, such as {:g}ms",
-                    1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
-  }
-  return static_cast<std::uint16_t>(std::lround(periods));
+const array::BoardType& type() {
+  return *array::find_board_type("autd3");
 }
 
 class Autd3Board final : public Board {
@@ -52,7 +47,7 @@ class Autd3Board final : public Board {
   Autd3Board(const BoardSpec& spec, BoardNotes& notes)
       : notes_(notes),
         divider_(divider_of(spec.slot_s)),
-        change_(spec.nulls ? std::uint16_t{1} : divider_),
+        changes_(array::changes_of(&type(), {.slot_s = spec.slot_s, .nulls = spec.nulls})),
         count_(spec.layout.transducers.size()),
         layout_(spec.layout),
         sound_speed_m_s_(spec.sound_speed_m_s),
@@ -60,7 +55,8 @@ class Autd3Board final : public Board {
         loading_(count_, session::most_cycle),
         newest_(count_, session::most_cycle),
         drive_(count_) {
-    if (spec.nulls) notes_.warning(jumps_with_nulls);
+    if (const auto why = array::why_fewer_steps(&type(), {.slot_s = spec.slot_s, .nulls = spec.nulls}); !why.empty())
+      notes_.warning(why);
     remote_.connect(monotonic_s());
     double until_s = monotonic_s() + open_patience_s;
     for (bool told = false; !ready();) {
@@ -316,7 +312,6 @@ class Autd3Board final : public Board {
   }
 
   bool send_startup() {
-    constexpr std::uint16_t default_intensity_steps = 10, most_phase_steps = 255;
     to_all([&](Message m, std::size_t) {
       switch (stage_) {
         case first_message:
@@ -335,7 +330,8 @@ class Autd3Board final : public Board {
           put_version(m, Version::done);
           break;
         case silencer:
-          put_silencer(m, std::min(change_, default_intensity_steps), std::min(change_, most_phase_steps));
+          put_silencer(m, static_cast<std::uint16_t>(changes_.amplitude_steps),
+                       static_cast<std::uint16_t>(changes_.phase_steps));
           break;
         default:
           put_silence(m, segment_ ^ 1);
@@ -454,7 +450,8 @@ class Autd3Board final : public Board {
   }
 
   BoardNotes& notes_;
-  std::uint16_t divider_, change_;  ///< periods: of a slot, and the most of a change, which is quiet if it is slow
+  std::uint16_t divider_;   ///< periods of a slot
+  array::Changes changes_;  ///< what its silencer does
   std::size_t count_;
   array::Layout layout_;
   double sound_speed_m_s_;

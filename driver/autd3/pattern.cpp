@@ -1,7 +1,11 @@
 #include "driver/autd3/pattern.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "base/error.hpp"
 
 namespace palpa::driver::autd3 {
 
@@ -24,6 +28,17 @@ void Pattern::encode(const BoardPlan& plan) {
   modulation_ = cycle.modulation;
   slot_s_ = plan.slot_s;
   begin_s_ = plan.from_s - static_cast<double>(plan.slots.from) * plan.slot_s;
+}
+
+std::uint16_t divider_of(double slot_s) {
+  const double periods = slot_s * period_hz;
+  if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= 65535)) {
+    throw bad_usage(
+        fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
+                    "is, such as {:g}ms",
+                    1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
+  }
+  return static_cast<std::uint16_t>(std::lround(periods));
 }
 
 void PartOffset::follow(double begin_s, double slot_s, double day_s) {

@@ -53,6 +53,9 @@ class Pattern {
   array::Modulation modulation_ = array::Modulation::pressure_sine;
 };
 
+/// The periods of a slot. Throws bad_usage if they are not whole, or too many.
+std::uint16_t divider_of(double slot_s);
+
 /// How far the devices' count of parts is ahead of the loop's count of slots. Both advance alike, so the number stays
 /// the same for a long time: it changes only when the two have drifted apart by a whole slot. Devices are assumed to
 /// have this machine's time of day. If theirs is different, a pattern begins at another part, but repeats all the same.

@@ -38,7 +38,7 @@ class BoardLink final : public session::Link {
     wait_until_open();
     // The guard has no library for this. With it, it goes before the thread that feeds it.
     const RealTimeService service = session::real_time_service();
-    if (service && scheduling_of(guard_->id()) != Scheduling::real_time)
+    if (service && scheduling_of(guard_->id()) != Scheduling::real_time && has_time_for_real_time(guard_->id()))
       service(guard_->id(), guard_->id(), guard_priority);
   }
 

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <malloc.h>
 #include <poll.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -56,16 +55,14 @@ void set_signals() {
   sigprocmask(SIG_SETMASK, &blocked, nullptr);
 }
 
-/// From now on, no page of the guard waits for a disk, if the machine allows that (RLIMIT_MEMLOCK). This includes
-/// memory that libusb and the C library still take, but not later mappings: beyond the limit, those would be refused
-/// instead of being slow.
-void keep_in_memory() {
+/// Takes memory that libusb and the C library will need, so that it is locked with the rest. Later mappings are not
+/// locked: beyond the limit (RLIMIT_MEMLOCK), those would be refused instead of being slow.
+void take_spare_memory() {
   constexpr std::size_t spare = 1 << 20;
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());  // the heap keeps what it has
   mallopt(M_MMAP_THRESHOLD, 2 * spare);
   void* volatile some = std::malloc(spare);
   std::free(some);
-  static_cast<void>(mlockall(MCL_CURRENT));
 }
 
 class Notes final : public BoardNotes {
@@ -201,7 +198,8 @@ int hold_board(std::span<const BoardKind> kinds) {
   Notes notes;
   Guard guard(memory, kind->plays_plans, brief.board.slot_s);  // takes all its memory before the board sounds
   const auto board = kind->open(brief.board, notes);
-  keep_in_memory();
+  take_spare_memory();
+  const KeptInMemory kept(KeptInMemory::Pages::all);
   MessageKind end = MessageKind::silent;
   std::exception_ptr fault;
   if (!brief.only_silence) {
@@ -224,6 +222,7 @@ int hold_board(std::span<const BoardKind> kinds) {
 
 void guard_main(std::span<const BoardKind> kinds) {
   set_signals();
+  allow_lower_limit();
   // Silence must not wait, and the guard takes little time. If the system does not allow it to go first, its loop asks
   // the service.
   const RealTime turns(guard_priority, [](pid_t, pid_t, int) {});

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "array/layouts/board_types.hpp"
+#include "array/layouts/changes.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "driver/fixed_text.hpp"
@@ -161,11 +162,12 @@ OpenMpdBoard::OpenMpdBoard(const BoardSpec& spec, BoardNotes& notes, usb::Transp
   sent_s_ = clock_.now_s();
 }
 
-std::size_t OpenMpdBoard::check_bandwidth(double slot_s) const {
+OpenMpdBoard::Bandwidth OpenMpdBoard::check_bandwidth(double slot_s) const {
   double frames = chip_bytes_per_s * slot_s / frame_bytes;
   std::map<unsigned, unsigned> boards_of_bus;
+  unsigned most_boards = 1;
   for (const auto& wire : wires_)
-    ++boards_of_bus[wire->bus()];
+    most_boards = std::max(most_boards, ++boards_of_bus[wire->bus()]);
   for (const auto& [bus, boards] : boards_of_bus) {
     const double need = boards * frame_bytes / slot_s;
     if (need > bus_bytes_per_s) {
@@ -177,36 +179,26 @@ std::size_t OpenMpdBoard::check_bandwidth(double slot_s) const {
     }
     frames = std::min(frames, bus_bytes_per_s / need);
   }
-  return static_cast<std::size_t>(std::max(frames, 1.0));
+  return {static_cast<std::size_t>(std::max(frames, 1.0)), most_boards};
 }
 
 void OpenMpdBoard::choose_steps(const BoardSpec& spec, double frame_s) {
-  const std::size_t carried = check_bandwidth(spec.slot_s);
+  const Bandwidth bandwidth = check_bandwidth(spec.slot_s);
   const auto frames_of = [&](double seconds) { return static_cast<std::size_t>(seconds / frame_s + 1e-9); };
-  if (spec.nulls) {
-    if (!spec.steps) return;
-    note(notes_, &BoardNotes::warning, "{}; --steps off avoids this warning", jumps_with_nulls);
-    return;
-  }
+  const array::BoardType* const type = array::find_board_type("openmpd");
+  const array::ChangeSetting setting{
+      .slot_s = spec.slot_s, .boards_of_bus = bandwidth.boards_of_bus, .steps = spec.steps, .nulls = spec.nulls};
+  const std::string why = array::why_fewer_steps(type, setting);
+  if (!why.empty()) note(notes_, &BoardNotes::warning, "{}", why);
+  if (spec.nulls) return;
   if (!spec.steps) {
     constexpr std::size_t most_of_a_ramp = 8;
     const std::size_t wanted = frames_of(std::min(spec.ramp_s, spec.slot_s / 2));
-    steps_ = std::clamp<std::size_t>(wanted, 1, std::min(carried, most_of_a_ramp));
+    steps_ = std::clamp<std::size_t>(wanted, 1, std::min(bandwidth.frames, most_of_a_ramp));
     return;
   }
-  const std::size_t frames = frames_of(spec.slot_s), wanted = std::max<std::size_t>(frames, 2) - 1;
-  steps_ = std::min({wanted, carried, Connection::most_frames});
-  if (steps_ == 1) {
-    note(notes_, &BoardNotes::warning, "phases jump from drive to drive, because {}; --steps off avoids this warning",
-         wanted == 1 ? FixedText<80>("a dwell of {:g} ms has no room for steps", 1e3 * spec.slot_s).view()
-                     : std::string_view("the USB bus carries one frame for each drive"));
-    return;
-  }
-  queue_ = std::min(frames, most_queued);
-  if (steps_ == wanted) return;
-  note(notes_, &BoardNotes::warning, "phases change in the first {:g} ms of a dwell of {:g} ms, because {}",
-       1e3 * frame_s * static_cast<double>(steps_), 1e3 * spec.slot_s,
-       steps_ == carried ? "the USB bus carries no more steps" : "silence must not wait longer");
+  steps_ = std::min<std::size_t>(array::changes_of(type, setting).phase_steps, Connection::most_frames);
+  if (steps_ > 1) queue_ = std::min(frames_of(spec.slot_s), most_queued);
 }
 
 /// How many frames of the next drive all boards can be sent now.

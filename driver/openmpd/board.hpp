@@ -76,8 +76,11 @@ class OpenMpdBoard final : public Board {
   /// Frames that a board holds at most when silence comes, which then waits 1.5 ms for them.
   static constexpr std::size_t most_queued = Connection::most_frames + 1;
 
-  /// How many frames a drive may consist of.
-  std::size_t check_bandwidth(double slot_s) const;
+  /// How many frames a drive may consist of, and the boards of the fullest bus.
+  struct Bandwidth {
+    std::size_t frames = 1, boards_of_bus = 1;
+  };
+  Bandwidth check_bandwidth(double slot_s) const;
   void choose_steps(const BoardSpec& spec, double frame_s);
   void tend_wires(bool may_ask = true);
   void send_next();

@@ -74,11 +74,11 @@ std::size_t boards_of(const array::Layout& layout, const Port& port) {
 }
 
 void check_pace(const BoardSpec& spec, std::size_t boards) {
-  const double frame_s = seconds_of(frame_size(boards));
+  const double frame_s = array::find_board_type("sonicsurface")->moving_slot_s(boards);
   if (!spec.foci_move || spec.slot_s >= frame_s) return;
   throw bad_usage(
       fmt::format("link sonicsurface: a frame takes {:.1f} ms, so a slot of {:g} ms is too short; use --dwell {:g}ms, "
-                  "or --method single-focus, whose focus does not move",
+                  "or a focus that does not move, such as --method single-focus of palpa run",
                   1e3 * frame_s, 1e3 * spec.slot_s, std::ceil(1e3 * frame_s)));
 }
 
@@ -391,7 +391,7 @@ BoardKind board_kind() {
           true,
           [](const std::string&) { return std::string("sonicsurface"); },
           [](const std::string& argument, const array::Layout& layout) {
-            return seconds_of(frame_size(boards_of(layout, parse_port(argument))));
+            return array::find_board_type("sonicsurface")->moving_slot_s(boards_of(layout, parse_port(argument)));
           }};
 }
 

@@ -44,7 +44,7 @@ constexpr std::size_t frame_size(std::size_t boards) {
 }
 
 /// Converts drives to frames: which transducers sound, and when. The boards take no amplitudes: a transducer is off if
-/// its amplitude is 0. Links get drives in this form (array/layouts/played.hpp).
+/// its amplitude is 0. Links get drives in this form (array/layouts/board_play.hpp).
 class Encoder {
  public:
   /// `degrees` says how late each transducer of all boards sounds. Empty: none is late. `lag` is that of the secondary

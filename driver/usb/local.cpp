@@ -50,12 +50,7 @@ class Connection {
 
   enum class Result { done, later, gone };
   Result send(const LocalMessage& message, std::span<const std::uint8_t> bytes = {}) {
-    iovec parts[]{{const_cast<LocalMessage*>(&message), sizeof message},
-                  {const_cast<std::uint8_t*>(bytes.data()), bytes.size()}};
-    msghdr packet{};
-    packet.msg_iov = parts;
-    packet.msg_iovlen = 2;
-    const ssize_t sent = connected_ ? sendmsg(fd_, &packet, MSG_NOSIGNAL) : -1;
+    const ssize_t sent = connected_ ? send_message(fd_, message, bytes) : -1;
     if (sent >= 0) return Result::done;
     if (connected_ && (errno == EAGAIN || errno == EINTR)) return Result::later;
     connected_ = false;
@@ -256,6 +251,15 @@ std::filesystem::path runtime_folder() {
 
 bool is_emulated(const Entry& entry) {
   return entry.bus >= first_bus;
+}
+
+ssize_t send_message(int socket, const LocalMessage& message, std::span<const std::uint8_t> bytes) {
+  iovec parts[]{{const_cast<LocalMessage*>(&message), sizeof message},
+                {const_cast<std::uint8_t*>(bytes.data()), bytes.size()}};
+  msghdr packet{};
+  packet.msg_iov = parts;
+  packet.msg_iovlen = 2;
+  return sendmsg(socket, &packet, MSG_NOSIGNAL);
 }
 
 Listing LocalTransport::list(Wanted wanted) {

@@ -2,9 +2,12 @@
 // like real ones. `palpa emulate` is the other side (local_server.hpp).
 #pragma once
 
+#include <sys/types.h>
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "driver/usb/device.hpp"
 
@@ -32,6 +35,9 @@ struct LocalMessage {
   std::uint32_t bytes = 0;  ///< that were sent, or are wanted
   Setup setup{};
 };
+/// One packet; returns what sendmsg() does.
+ssize_t send_message(int socket, const LocalMessage& message, std::span<const std::uint8_t> bytes);
+
 inline constexpr std::size_t most_local_bytes = 16384;  ///< of one transfer
 /// The answer to `describe`: ids and the serial number, ended by a zero.
 struct LocalIdentity {

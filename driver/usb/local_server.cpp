@@ -109,13 +109,8 @@ bool LocalServer::waits() const {
 }
 
 void LocalServer::answer(const Client& client, const LocalMessage& message, std::span<const std::uint8_t> bytes) {
-  iovec parts[]{{const_cast<LocalMessage*>(&message), sizeof message},
-                {const_cast<std::uint8_t*>(bytes.data()), bytes.size()}};
-  msghdr packet{};
-  packet.msg_iov = parts;
-  packet.msg_iovlen = 2;
   // A client that does not read its answers loses them.
-  static_cast<void>(sendmsg(client.fd, &packet, MSG_NOSIGNAL));
+  static_cast<void>(send_message(client.fd, message, bytes));
 }
 
 void LocalServer::end_transfer(Client& client, Outcome outcome, double now_s) {

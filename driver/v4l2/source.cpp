@@ -2,16 +2,125 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "driver/cameras/source.hpp"
-#include "driver/v4l2/opening.hpp"
+#include "driver/v4l2/d400.hpp"
+#include "driver/v4l2/stream.hpp"
+#include "sensing/camera.hpp"
 
 namespace palpa::driver::v4l2 {
 namespace {
+
+// ---- a camera is made ready: opened, set up as the rig says if it is a RealSense, and streaming
+
+/// What the command line and the rig say about a camera.
+struct Description {
+  std::string name;  ///< the rig's
+  std::string path;  ///< as on the command line
+  Wanted wanted;
+  std::string rig;  ///< its file, for messages
+  double depth_unit_m = 0.001;
+  sensing::DeviceSetting setting{};
+};
+
+/// What a camera has reported about itself. One that comes back must report the same.
+struct Known {
+  std::optional<cameras::Lens> lens;  ///< of its own calibration, if the setting asks for that
+  bool unit_read = false;             ///< after that, a camera that does not answer is not trusted
+  bool trusted_said = false;
+};
+
+constexpr double micrometre = 1e-6;
+
+/// One camera while it is set up.
+struct Setup {
+  Kernel& kernel;
+  const Description& description;
+  const std::string& path;
+  Known& known;
+
+  void configure(int fd, const Node& node) const {
+    const sensing::DeviceSetting& setting = description.setting;
+    if (!d400::is_realsense(node)) {
+      if (setting.own_lens || setting.exposure_s || setting.preset) {
+        throw bad_input(
+            path,
+            fmt::format(
+                "is not a RealSense on USB: calibration = \"device\", exposure_s and hardware_preset of {} need one",
+                description.rig));
+      }
+      return;
+    }
+    try {
+      if (setting.preset) d400::write_hardware_preset(kernel, fd, *setting.preset);
+      if (setting.exposure_s) d400::write_exposure(kernel, fd, *setting.exposure_s);
+      if (setting.own_lens) read_lens(fd);
+    } catch (const Error& error) {
+      throw bad_input(path, error.what());
+    }
+    set_depth_unit(fd);
+  }
+
+ private:
+  void read_lens(int fd) const {
+    const cameras::Lens lens = d400::read_lens(kernel, fd, description.wanted.width, description.wanted.height);
+    if (known.lens && lens != *known.lens) {
+      throw failure(
+          "its lens has changed: this is not the camera that was here before, or it was recalibrated; plug the first "
+          "camera in again, or restart palpa");
+    }
+    known.lens = lens;
+  }
+
+  void set_depth_unit(int fd) const {
+    const double wanted_m = description.depth_unit_m, wanted_um = wanted_m / micrometre;
+    const bool whole = std::round(wanted_um) >= 1 && std::abs(wanted_um - std::round(wanted_um)) <= 1e-6;
+    const auto is_wanted = [&](double unit_m) { return std::lround(unit_m / micrometre) == std::lround(wanted_um); };
+    double unit_m = 0;
+    try {
+      unit_m = d400::read_depth_unit(kernel, fd);
+      if (!whole) {
+        throw bad_input(path,
+                        fmt::format("keeps its depth unit in whole micrometres, but depth_unit_m of {} is {:g} "
+                                    "micrometres; set depth_unit_m = {:g}",
+                                    description.rig, wanted_um, std::fmax(1, std::round(wanted_um)) * micrometre));
+      }
+      if (!is_wanted(unit_m)) {
+        d400::write_depth_unit(kernel, fd, wanted_m);
+        unit_m = d400::read_depth_unit(kernel, fd);
+      }
+    } catch (const Error& error) {
+      if (unit_m != 0 || known.unit_read) throw bad_input(path, error.what());
+      if (!std::exchange(known.trusted_said, true)) {
+        log::warning(fmt::format("{}: {}; palpa assumes a depth unit of {:g} mm, as {} says", path, error.what(),
+                                 wanted_m * 1e3, description.rig));
+      }
+      return;
+    }
+    known.unit_read = true;
+    // With depths ten times too large, the hand would be elsewhere.
+    if (!is_wanted(unit_m)) {
+      throw bad_input(path, fmt::format("keeps its depth unit of {:g} mm; set depth_unit_m = {:g} in {}", unit_m * 1e3,
+                                        unit_m, description.rig));
+    }
+  }
+};
+
+/// `node` is what sysfs knows of `path`. Throws bad_input as Stream does, if the camera keeps another depth unit than
+/// the rig says or cannot keep that one, and if its lens is not the known one. May take seconds if the device does not
+/// answer.
+std::unique_ptr<Stream> open_camera(Kernel& kernel, const Description& description, const std::string& path,
+                                    const Node& node, Known& known) {
+  const Setup setup{kernel, description, path, known};
+  return std::make_unique<Stream>(kernel, path, description.wanted, description.rig,
+                                  [&](int fd) { setup.configure(fd, node); });
+}
 
 class Camera final : public cameras::Device {
  public:

@@ -22,7 +22,8 @@ struct Resonator {
 
   /// Plays a slot of `periods` to another drive and adds the squares of its output to `power`, one for each period.
   /// `rest`: what is left of the difference to the drive after a period.
-  void play(array::TransducerDrive to, const Changes& changes, bool jumps, double rest, std::span<double> power) {
+  void play(array::TransducerDrive to, const array::Changes& changes, bool jumps, double rest,
+            std::span<double> power) {
     const double begin = amplitude, end = to.amplitude;
     const double from = begin == 0 ? to.phase : phase;
     const double way = begin == 0 || end == 0 ? 0 : std::remainder(to.phase - from, 2 * pi);
@@ -48,25 +49,13 @@ struct Resonator {
 std::vector<std::size_t> begins_of(const PlayedDrives& played, double hz) {
   const std::size_t slots = played.drives.size() / played.transducers;
   std::vector<std::size_t> begins(slots + 1);
+  const double slot_s = std::min(played.slot_s, longest_change_s);
   for (std::size_t s = 0; s <= slots; ++s)
-    begins[s] = static_cast<std::size_t>(std::llround(static_cast<double>(s) * played.slot_s * hz));
+    begins[s] = static_cast<std::size_t>(std::llround(static_cast<double>(s) * slot_s * hz));
   return begins;
 }
 
 }  // namespace
-
-Changes changes_of(std::string_view board_type, double slot_s, bool steps, bool nulls) {
-  constexpr double period_s = 25e-6;
-  const auto periods = static_cast<std::uint32_t>(std::clamp(slot_s / period_s + 1e-9, 1.0, 1e9));
-  if (nulls) return {};
-  if (board_type == "autd3")
-    return {.phase_steps = std::min(periods, 255U), .amplitude_steps = std::min(periods, 10U), .silence_jumps = false};
-  if (board_type != "openmpd" || !steps) return {};
-  constexpr std::uint32_t usual_divider = 4, most_steps = 14;
-  const std::uint32_t divider = std::clamp(periods / 2, 1U, usual_divider);
-  const std::uint32_t count = std::min(std::max(periods / divider, 2U) - 1, most_steps);
-  return {.step_periods = divider, .phase_steps = count, .amplitude_steps = count};
-}
 
 std::vector<double> radiated_power(const PlayedDrives& played, double q, const EarOptions& options) {
   const double hz = options.air.medium.frequency, c = options.air.medium.sound_speed;
@@ -102,7 +91,10 @@ HeardSound heard_sound(const PlayedDrives& played, double q, const EarOptions& o
   const std::vector<double> power = radiated_power(played, q, options);
   const double hz = options.air.medium.frequency, c = options.air.medium.sound_speed;
   const std::size_t count = power.size();
-  HeardSound sound{static_cast<double>(count) / hz, {}};
+  HeardSound sound{.period_s = static_cast<double>(count) / hz,
+                   .lines = {},
+                   .slots = played.drives.size() / played.transducers,
+                   .pause_s = std::max(played.slot_s - longest_change_s, 0.0)};
   sound.lines.resize(count / 2);
   const double pascals_s_w = beta / (2 * pi * c * c * options.distance_m);
   for (std::size_t n = 1; n <= sound.lines.size(); ++n) {
@@ -131,10 +123,10 @@ double a_weighted_db(const HeardSound& sound) {
     const double weight_db = a_weighting_db(static_cast<double>(n) / sound.period_s);
     mean_square += 2 * std::norm(sound.lines[n - 1]) * std::pow(10.0, weight_db / 10);
   }
-  // A constant power has only rounding errors.
-  constexpr double nothing_pa = 1e-15;
-  if (!(mean_square > nothing_pa * nothing_pa)) return -std::numeric_limits<double>::infinity();
-  return 10 * std::log10(mean_square / (hearing_pa * hearing_pa));
+  mean_square *= sound.period_s / (sound.period_s + static_cast<double>(sound.slots) * sound.pause_s);
+  const double db = 10 * std::log10(mean_square / (hearing_pa * hearing_pa));
+  constexpr double nothing_db = -150;  // a constant power has only rounding errors
+  return db > nothing_db ? db : -std::numeric_limits<double>::infinity();
 }
 
 EarLevel ear_level(const PlayedDrives& played, const EarOptions& options) {
@@ -189,6 +181,10 @@ std::string to_wav(const HeardSound& sound, double full_scale_db, double& peak) 
   peak = 0;
   for (const double value : values)
     peak = std::max(peak, std::abs(value));
+  const double part = static_cast<double>(values.size()) / static_cast<double>(sound.slots);
+  const auto pause = static_cast<std::size_t>(std::llround(sound.pause_s * rate_hz));
+  for (std::size_t s = sound.slots; pause > 0 && s > 0; --s)  // from the last one, so that places stay valid
+    values.insert(values.begin() + std::llround(part * static_cast<double>(s)), pause, 0.0);
   const auto count = static_cast<std::uint32_t>(seconds * rate_hz);
   std::string wav;
   const auto number = [&](std::uint32_t value, int bytes) {

@@ -16,34 +16,21 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "acoustics/air.hpp"
+#include "array/layouts/changes.hpp"
 #include "array/transducer_drive.hpp"
 #include "base/files/json_writer.hpp"
 
 namespace palpa::acoustics {
-
-/// How boards go from one drive to the next: in even steps, phases by the shorter way round. The first step sounds from
-/// the beginning of the slot on. A transducer that was off takes its new phase, and one that goes off keeps its old
-/// one.
-struct Changes {
-  std::uint32_t step_periods = 1;  ///< of the carrier that a step lasts
-  std::uint32_t phase_steps = 1;   ///< 1: they jump
-  std::uint32_t amplitude_steps = 1;
-  bool silence_jumps = true;  ///< to a drive of zeros, without steps
-};
-/// Those of a type of board (array/layouts/board_types.hpp), as its driver makes them. `steps`: --steps. `nulls`:
-/// drives are silent at places. Other arrays jump.
-Changes changes_of(std::string_view board_type, double slot_s, bool steps, bool nulls);
 
 /// Drives that repeat for ever.
 struct PlayedDrives {
   std::span<const array::TransducerDrive> drives;  ///< slot after slot
   std::size_t transducers = 0;                     ///< of each slot
   double slot_s = 1.5e-3;                          ///< at least one period
-  Changes changes;
+  array::Changes changes;
 };
 
 struct EarOptions {
@@ -55,14 +42,22 @@ struct EarOptions {
 /// The quality factors of transducers; --audible has the range of both.
 inline constexpr double least_q = 20, most_q = 40;
 
-/// The radiated power after each period of the carrier, watts, once it repeats.
+/// After this part of a slot, nothing changes in it, and nothing is heard before the next one.
+inline constexpr double longest_change_s = 10e-3;
+
+/// The radiated power after each period of the carrier, watts, once it repeats; of each slot the first longest_change_s
+/// at most.
 std::vector<double> radiated_power(const PlayedDrives& played, double q, const EarOptions& options);
 
 /// The Fourier lines of the sound, from the first on: pascals, complex, so that
-/// p(t) = 2 Re sum lines[n - 1] e^{-2 pi i n t / period}. Up to half the carrier's frequency.
+/// p(t) = 2 Re sum lines[n - 1] e^{-2 pi i n t / period}. Up to half the carrier's frequency. A period is `slots` parts
+/// of the same length. Where slots are longer than longest_change_s, it has their beginnings alone, and a pause of
+/// `pause_s` follows on each.
 struct HeardSound {
   double period_s = 0;
   std::vector<std::complex<double>> lines;
+  std::size_t slots = 1;
+  double pause_s = 0;
 };
 HeardSound heard_sound(const PlayedDrives& played, double q, const EarOptions& options);
 

@@ -15,7 +15,7 @@
 
 #include "array/drive.hpp"
 #include "array/field/free_field.hpp"
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 
 namespace palpa::array {
 

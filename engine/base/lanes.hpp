@@ -30,6 +30,18 @@ struct Lanes16 {
   using Bits [[gnu::vector_size(64)]] = std::int32_t;
 };
 
+/// Four doubles at a time.
+using Four [[gnu::vector_size(32)]] = double;
+
+[[gnu::always_inline]] inline Four four(const double* from) {
+  Four value;
+  std::memcpy(&value, from, sizeof(value));
+  return value;
+}
+[[gnu::always_inline]] inline double total(const Four& sum) {
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 template <class L>
 [[gnu::always_inline]] inline typename L::Float load_lanes(const float* from) {
   typename L::Float value;

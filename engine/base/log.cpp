@@ -187,6 +187,14 @@ Level level() {
 
 void error(std::string_view line) {
   write(Level::error, line);
+  // A program often ends right after it.
+  constexpr double patience_s = 0.1;
+  Relayed& r = relayed();
+  const std::lock_guard lock(r.mutex);
+  try {
+    if (r.writer) r.writer->flush({.seconds = patience_s});
+  } catch (const Error&) {  // a closed pipe
+  }
 }
 void warning(std::string_view line) {
   if (count(line)) write(Level::warning, line);

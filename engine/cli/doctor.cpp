@@ -1,6 +1,10 @@
 #include "cli/doctor.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/files/json_writer.hpp"
@@ -8,7 +12,6 @@
 #include "base/system/real_time.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
-#include "cli/board_eeprom.hpp"
 #include "cli/commands.hpp"
 #include "cli/doctor_rig.hpp"
 #include "geometry/parts/vhacd.hpp"
@@ -22,6 +25,42 @@
 
 namespace palpa::cli {
 namespace {
+
+/// Throws bad_usage, naming --serial, for a serial number that is empty, longer than 16 characters, or has anything but
+/// letters, digits, - and _, which the names of links need.
+void check_serial(const std::string& serial) {
+  constexpr std::size_t most = 16;
+  constexpr std::string_view allowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+  if (serial.empty() || serial.size() > most || serial.find_first_not_of(allowed) != std::string::npos) {
+    throw bad_usage(
+        fmt::format("--serial {}: give 1 to {} letters, digits, - and _, such as LAB1", printable(serial, 60), most));
+  }
+}
+
+/// `palpa doctor --write-eeprom`: the configuration with which the program ftdi_eeprom sets up the FT232H of an OpenMPD
+/// board. palpa itself never writes to a device's EEPROM. `file`: the name under which it will be written.
+std::string eeprom_configuration(const std::string& serial, const std::string& file) {
+  return fmt::format(
+      "# By palpa doctor: for the program ftdi_eeprom, which writes the EEPROM of an OpenMPD board's FT232H.\n"
+      "# Plug in only this board, take away other devices with an FT232H, and run\n"
+      "#   sudo ftdi_eeprom --read-eeprom {1}      # keeps the old contents in old-{0}.bin\n"
+      "#   mv old-{0}.bin saved-{0}.bin            # because the next command writes that file, too\n"
+      "#   sudo ftdi_eeprom --flash-eeprom {1}\n"
+      "# Then unplug the board and plug it in again. palpa doctor lists it with its new serial number.\n"
+      "filename=old-{0}.bin\n"
+      "vendor_id=0x0403\n"
+      "product_id=0x6014\n"
+      "manufacturer=\"FTDI\"\n"
+      "product=\"OpenMPD\"\n"
+      "serial=\"{0}\"\n"
+      "use_serial=true\n"
+      "max_power=90\n"
+      "self_powered=false\n"
+      "remote_wakeup=false\n"
+      "cha_type=FIFO      # 245 FIFO, which the board's firmware reads\n"
+      "cha_vcp=false      # no serial port\n",
+      serial, file);
+}
 
 struct DoctorOptions {
   setup::CommonOptions common;
@@ -100,7 +139,7 @@ DoctorSection look_at_features() {
   return section;
 }
 
-/// Tries it in this thread.
+/// Tries it in this thread. Afterwards, the process is as before.
 DoctorSection look_at_scheduling() {
   const RealTime turns(output_priority, session::real_time_service());
   const Scheduling scheduling = scheduling_of(0);
@@ -108,7 +147,7 @@ DoctorSection look_at_scheduling() {
   item.title = fmt::format("drives leave by {} scheduling", to_text(scheduling));
   item.ok = scheduling == Scheduling::real_time;
   if (!item.ok) item.advice = fmt::format("for fewer late ones: {}", session::how_to_get_real_time);
-  item.facts = {{"scheduling", std::string(to_text(scheduling))}, {"kept_in_memory", keep_in_memory()}};
+  item.facts = {{"scheduling", std::string(to_text(scheduling))}, {"kept_in_memory", KeptInMemory().holds()}};
   return {"scheduling", "Scheduling", {std::move(item)}, {}};
 }
 

@@ -5,15 +5,12 @@
 #include <string_view>
 #include <vector>
 
+#include "setup/tasks/nudge.hpp"
+
 namespace palpa::cli {
 
-enum class Key { left, right, up, down, away, nearer, finer, back, save, leave, wait };
-
-struct KeyPress {
-  Key key;
-  bool fine = false;  ///< with shift
-  bool operator==(const KeyPress&) const = default;
-};
+using Key = setup::NudgeKey;
+using KeyPress = setup::NudgePress;
 
 /// Decodes the bytes that terminals send: arrows, PageUp (away) and PageDown (nearer), also with shift, f (finer), 0
 /// (back), Enter (save), q (leave). Other keys are ignored.

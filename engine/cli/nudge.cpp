@@ -38,75 +38,8 @@
 namespace palpa::cli {
 namespace {
 
-constexpr double step_m = 1e-3, fine_step_m = 1e-4;
 constexpr const char* no_terminal =
     ": stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
-
-/// The state that the keys determine.
-class Nudge {
- public:
-  enum class End { none, save, leave };
-
-  void press(const KeyPress& press) {
-    switch (press.key) {
-      case Key::left:
-        move({-1, 0, 0}, press.fine);
-        break;
-      case Key::right:
-        move({1, 0, 0}, press.fine);
-        break;
-      case Key::up:
-        move({0, 1, 0}, press.fine);
-        break;
-      case Key::down:
-        move({0, -1, 0}, press.fine);
-        break;
-      case Key::away:
-        move({0, 0, -1}, press.fine);
-        break;
-      case Key::nearer:
-        move({0, 0, 1}, press.fine);
-        break;
-      case Key::finer:
-        fine_ = !fine_;
-        break;
-      case Key::back:
-        steps_ = Vec3(0);
-        break;
-      case Key::save:
-        end_ = End::save;
-        break;
-      case Key::leave:
-        end_ = End::leave;
-        break;
-      case Key::wait:
-        break;
-    }
-  }
-  /// Takes the end back; the `next` focus begins at its own place.
-  void go_on(bool next) {
-    end_ = End::none;
-    if (next) steps_ = Vec3(0);
-  }
-  /// Metres in the world.
-  Vec3 offset() const { return steps_ * fine_step_m; }
-  End end() const { return end_; }
-  std::string line() const {
-    const Vec3 mm = offset() * 1e3;
-    return fmt::format("x {:+.1f}  y {:+.1f}  z {:+.1f} mm, step {} mm; f: finer, 0: back, Enter: save, q: leave", mm.x,
-                       mm.y, mm.z, fine_ ? "0.1" : "1");
-  }
-
- private:
-  void move(const Vec3& way, bool fine) {
-    constexpr double most = setup::farthest_nudge_m / fine_step_m;
-    steps_ = glm::clamp(steps_ + way * (fine || fine_ ? 1.0 : step_m / fine_step_m), Vec3(-most), Vec3(most));
-  }
-
-  Vec3 steps_{0};  ///< whole fine steps, so that moving back ends exactly at the start
-  bool fine_ = false;
-  End end_ = End::none;
-};
 
 /// Shows the state on a terminal, as soon as there is room for it.
 class Shown {
@@ -131,7 +64,7 @@ class Shown {
 class Hand final : public session::RunObserver {
  public:
   /// Of `script`, one key is pressed with each frame that has a finger. `touches`: null if a single focus is moved.
-  Hand(session::Session& session, Nudge& nudge, setup::TouchSteps* touches, std::vector<KeyPress> script,
+  Hand(session::Session& session, setup::Nudge& nudge, setup::TouchSteps* touches, std::vector<KeyPress> script,
        std::atomic<bool>& stop, bool quiet)
       : session_(&session),
         script_(std::move(script)),
@@ -148,22 +81,21 @@ class Hand final : public session::RunObserver {
       if (next_ == script_.size()) *stop_ = true;
     }
     const Vec3 wanted = offset();
-    if (touches_) return touches_->nudge(wanted);
-    if (wanted != std::exchange(aim_, wanted)) session_->set_aim(wanted);
+    if (!touches_ && wanted != std::exchange(aim_, wanted)) session_->set_aim(wanted);
   }
   void press(const KeyPress& press) {
     const std::lock_guard lock(mutex_);
-    if (nudge_->end() != Nudge::End::none) return;  // the first decision counts
     if (!begun_ && press.key != Key::leave) return;
-    nudge_->press(press);
-    if (touches_ && nudge_->end() == Nudge::End::save) take_touch();
-    if (nudge_->end() != Nudge::End::none) *stop_ = true;
+    nudge_->press(press, time_s_);
+    if (nudge_->end() != setup::Nudge::End::none) *stop_ = true;
   }
   /// Shows the current state, if it has changed.
   void show() {
     const std::lock_guard lock(mutex_);
-    if (begun_)
-      shown_.show(touches_ ? fmt::format("{}{}; {}", touches_->line(), hint_, nudge_->line()) : nudge_->line());
+    if (!begun_) return;
+    const std::string where = nudge_->place() + "; f: finer, 0: back, Enter: save, q: leave";
+    const std::string hint = nudge_->hint().empty() ? "" : ": " + nudge_->hint();
+    shown_.show(touches_ ? fmt::format("{}{}; {}", touches_->line(), hint, where) : where);
   }
 
  private:
@@ -172,13 +104,6 @@ class Hand final : public session::RunObserver {
     const std::lock_guard lock(mutex_);
     begun_ = true;
     time_s_ = time_s;
-  }
-  /// Only after the last focus, Enter is the end.
-  void take_touch() {
-    touches_->nudge(nudge_->offset());
-    const std::string fault = touches_->take(time_s_);
-    hint_ = fault.empty() ? "" : ": " + fault;
-    if (!touches_->complete()) nudge_->go_on(fault.empty());
   }
   Vec3 offset() const {
     const std::lock_guard lock(mutex_);
@@ -190,13 +115,12 @@ class Hand final : public session::RunObserver {
   std::size_t next_ = 0;  ///< key of the script
   Vec3 aim_{0};           ///< of the session
   mutable std::mutex mutex_;
-  Nudge* nudge_;
+  setup::Nudge* nudge_;
   setup::TouchSteps* touches_;
   std::atomic<bool>* stop_;
   Shown shown_;
   bool begun_ = false;
   double time_s_ = 0;  ///< of the newest frame
-  std::string hint_;   ///< what kept the last touch from being taken
 };
 
 /// Reads the terminal's keys, whether frames come or not. Earlier input is discarded.
@@ -282,7 +206,7 @@ void report_registration(const CalibrateCommand& o, const Outputs& outputs, cons
 }
 
 /// Runs until Enter or q, or until the run ends otherwise.
-void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, Nudge& nudge,
+void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<bool>& stop, setup::Nudge& nudge,
                    setup::TouchSteps* touches) {
   const log::Relay relay;
   const setup::Interrupt interrupt(
@@ -309,19 +233,19 @@ void check_keys(const CalibrateCommand& o, const char* mode) {
 KeysEnd run_with_keys(const CalibrateCommand& o, std::span<const session::SourceKind> sources,
                       std::span<const session::LinkKind> links, const char* mode, setup::TouchSteps* touches) {
   std::atomic<bool>& stop = setup::Interrupt::flag();
-  Nudge nudge;
+  setup::Nudge nudge(touches);
   KeysEnd end;
   try {
     setup::LiveRun live(o, sources, links, stop);
     run_until_end(live, o, stop, nudge, touches);
   } catch (const Error& error) {
     // A confirmed result is not lost if the link fails at the end.
-    if (nudge.end() != Nudge::End::save) throw;
+    if (nudge.end() != setup::Nudge::End::save) throw;
     end.fault = error;
   }
-  end.saves = nudge.end() == Nudge::End::save && !setup::Interrupt::signalled();
+  end.saves = nudge.end() == setup::Nudge::End::save && !setup::Interrupt::signalled();
   end.offset_m = nudge.offset();
-  if (!end.saves && nudge.end() != Nudge::End::leave && !setup::Interrupt::signalled()) {
+  if (!end.saves && nudge.end() != setup::Nudge::End::leave && !setup::Interrupt::signalled()) {
     throw failure(fmt::format("{}: nothing is saved, because it ended before Enter was pressed{}", mode,
                               touches ? " at " + touches->line() : ""));
   }

@@ -12,7 +12,7 @@
 #include "acoustics/felt/skin.hpp"
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 #include "base/activity.hpp"
 #include "base/system/parallel.hpp"
 #include "experiment/level.hpp"

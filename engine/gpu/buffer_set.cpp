@@ -15,7 +15,7 @@ constexpr std::uint32_t most_buffers = most_kernel_buffers;
 
 BufferSet::BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
                      std::uint32_t most_uses, std::uint32_t texels)
-    : name_(name), count_(count), texels_(texels), device_(device.get()) {
+    : name_(name), stages_(stages), count_(count), texels_(texels), device_(device.get()) {
   if (count > most_buffers) {
     throw failure(fmt::format("pipeline '{}' binds {} buffers: at most {}", name, count, most_buffers));
   }
@@ -50,6 +50,19 @@ BufferSet::BufferSet(const Device& device, const char* name, std::uint32_t count
   allocate.pSetLayouts = layouts.data();
   ring_.resize(most_uses);
   PALPA_VK(vkAllocateDescriptorSets(device.get(), &allocate, ring_.data()));
+}
+
+Handle<VkPipelineLayout> BufferSet::pipeline_layout(const Device& device, std::uint32_t push_bytes) const {
+  const VkDescriptorSetLayout set = layout_.get();
+  const VkPushConstantRange range{stages_, 0, push_bytes};
+  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  info.setLayoutCount = 1;
+  info.pSetLayouts = &set;
+  info.pushConstantRangeCount = push_bytes ? 1 : 0;
+  info.pPushConstantRanges = &range;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  PALPA_VK(vkCreatePipelineLayout(device.get(), &info, nullptr, &layout));
+  return {device.get(), layout, vkDestroyPipelineLayout};
 }
 
 VkDescriptorType BufferSet::type(std::uint32_t binding) const {

@@ -24,7 +24,8 @@ class BufferSet {
   BufferSet(const Device& device, const char* name, std::uint32_t count, VkShaderStageFlags stages,
             std::uint32_t most_uses, std::uint32_t texels = 0);
 
-  VkDescriptorSetLayout layout() const { return layout_.get(); }
+  /// With a block of push constants of this size, or none if it is 0.
+  Handle<VkPipelineLayout> pipeline_layout(const Device& device, std::uint32_t push_bytes) const;
   /// `buffers`: exactly `count`, in binding order, not null. Those read as texels must have a texel view.
   /// Throws failure otherwise.
   void bind(VkCommandBuffer commands, VkPipelineBindPoint point, VkPipelineLayout layout,
@@ -35,6 +36,7 @@ class BufferSet {
 
   Handle<VkDescriptorSetLayout> layout_;
   std::string name_;
+  VkShaderStageFlags stages_ = 0;
   std::uint32_t count_ = 0, texels_ = 0;
 
   // GPU-assisted validation cannot see pushed descriptors. Only under that preset, binds cycle through a ring of

@@ -67,13 +67,19 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
   return devices;
 }
 
-bool has_instance_extension(const char* name) {
+/// `enumerate`: gets the count and the place of the extensions, as Vulkan's functions do.
+template <typename Enumerate>
+bool lists_extension(const Enumerate& enumerate, const char* name) {
   std::uint32_t count = 0;
-  vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
+  enumerate(&count, nullptr);
   std::vector<VkExtensionProperties> extensions(count);
-  vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data());
+  enumerate(&count, extensions.data());
   return std::any_of(extensions.begin(), extensions.end(),
                      [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+bool has_instance_extension(const char* name) {
+  return lists_extension([](auto... to) { vkEnumerateInstanceExtensionProperties(nullptr, to...); }, name);
 }
 
 /// The extensions that every instance gets, in addition to the requested ones, if the loader knows them: see
@@ -96,12 +102,7 @@ void load_functions(VkInstance first) {
 }
 
 bool has_extension(VkPhysicalDevice physical, const char* name) {
-  std::uint32_t count = 0;
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
-  std::vector<VkExtensionProperties> extensions(count);
-  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
-  return std::any_of(extensions.begin(), extensions.end(),
-                     [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+  return lists_extension([&](auto... to) { vkEnumerateDeviceExtensionProperties(physical, nullptr, to...); }, name);
 }
 
 struct QueueFamily {

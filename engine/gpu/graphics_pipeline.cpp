@@ -1,7 +1,9 @@
 #include "gpu/graphics_pipeline.hpp"
 
 #include <array>
+
 #include "gpu/check.hpp"
+#include "gpu/pipeline.hpp"
 
 namespace palpa::gpu {
 namespace {
@@ -10,15 +12,6 @@ namespace {
 constexpr std::uint32_t most_in_flight = 4096;
 
 constexpr VkShaderStageFlags stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-
-Handle<VkShaderModule> make_module(const Device& device, std::span<const std::uint32_t> spirv) {
-  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  info.codeSize = spirv.size_bytes();
-  info.pCode = spirv.data();
-  VkShaderModule shader = VK_NULL_HANDLE;
-  PALPA_VK(vkCreateShaderModule(device.get(), &info, nullptr, &shader));
-  return {device.get(), shader, vkDestroyShaderModule};
-}
 
 VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits kind, VkShaderModule module) {
   VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
@@ -33,19 +26,9 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits kind, VkShaderModule
 GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::span<const std::uint32_t> vertex,
                                    std::span<const std::uint32_t> fragment, const GraphicsLayout& layout)
     : name_(name), set_(device, name, layout.buffers, stages, most_in_flight), push_bytes_(layout.push_bytes) {
-  const VkDescriptorSetLayout set_layout = set_.layout();
-  const VkPushConstantRange range{stages, 0, push_bytes_};
-  VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  layout_info.setLayoutCount = 1;
-  layout_info.pSetLayouts = &set_layout;
-  layout_info.pushConstantRangeCount = push_bytes_ ? 1 : 0;
-  layout_info.pPushConstantRanges = &range;
-  VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
-  PALPA_VK(vkCreatePipelineLayout(device.get(), &layout_info, nullptr, &pipeline_layout));
-  layout_ = Handle<VkPipelineLayout>(device.get(), pipeline_layout, vkDestroyPipelineLayout);
-
-  const auto vertex_module = make_module(device, vertex);
-  const auto fragment_module = fragment.empty() ? Handle<VkShaderModule>() : make_module(device, fragment);
+  layout_ = set_.pipeline_layout(device, push_bytes_);
+  const auto vertex_module = make_shader_module(device, vertex);
+  const auto fragment_module = fragment.empty() ? Handle<VkShaderModule>() : make_shader_module(device, fragment);
   const std::array shader_stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex_module.get()),
                                  stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment_module.get())};
 
@@ -96,7 +79,7 @@ GraphicsPipeline::GraphicsPipeline(const Device& device, const char* name, std::
   info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = pipeline_layout;
+  info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
   PALPA_VK(vkCreateGraphicsPipelines(device.get(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
   ++device.pipelines_created;

@@ -36,29 +36,23 @@ ComputePipeline::ComputePipeline(const Device& device, const char* name, const K
       device.kept_pipeline(key, [&] { return std::shared_ptr<const void>(make(device, name, constants)); }));
 }
 
+Handle<VkShaderModule> make_shader_module(const Device& device, std::span<const std::uint32_t> words) {
+  VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  info.codeSize = words.size_bytes();
+  info.pCode = words.data();
+  VkShaderModule module = VK_NULL_HANDLE;
+  PALPA_VK(vkCreateShaderModule(device.get(), &info, nullptr, &module));
+  return {device.get(), module, vkDestroyShaderModule};
+}
+
 std::shared_ptr<const ComputePipeline::Made> ComputePipeline::make(const Device& device, const char* name,
                                                                    std::span<const std::uint32_t> constants) const {
   const Kernel& kernel = *kernel_;
   auto made = std::make_shared<Made>();
   made->set = BufferSet(device, name, static_cast<std::uint32_t>(kernel.bindings.size()), VK_SHADER_STAGE_COMPUTE_BIT,
                         most_in_flight, texels_of(kernel));
-  const VkDescriptorSetLayout set_layout = made->set.layout();
-  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes_};
-  VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  info.setLayoutCount = 1;
-  info.pSetLayouts = &set_layout;
-  info.pushConstantRangeCount = push_bytes_ ? 1 : 0;
-  info.pPushConstantRanges = &range;
-  VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
-  PALPA_VK(vkCreatePipelineLayout(device.get(), &info, nullptr, &pipeline_layout));
-  made->layout = Handle<VkPipelineLayout>(device.get(), pipeline_layout, vkDestroyPipelineLayout);
-
-  VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  module_info.codeSize = kernel.words.size_bytes();
-  module_info.pCode = kernel.words.data();
-  VkShaderModule shader = VK_NULL_HANDLE;
-  PALPA_VK(vkCreateShaderModule(device.get(), &module_info, nullptr, &shader));
-  const Handle<VkShaderModule> shader_owner(device.get(), shader, vkDestroyShaderModule);
+  made->layout = made->set.pipeline_layout(device, push_bytes_);
+  const Handle<VkShaderModule> module = make_shader_module(device, kernel.words);
 
   std::vector<VkSpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) {
@@ -69,10 +63,10 @@ std::shared_ptr<const ComputePipeline::Made> ComputePipeline::make(const Device&
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  create.stage.module = shader;
+  create.stage.module = module.get();
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = entries.empty() ? nullptr : &specialization;
-  create.layout = pipeline_layout;
+  create.layout = made->layout.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
   PALPA_VK(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &create, nullptr, &pipeline));
   ++device.pipelines_created;

@@ -28,6 +28,9 @@ inline BufferRef groups_in(const BufferRef& buffer, VkDeviceSize at = 0) {
   return {buffer.buffer, buffer.offset + at, sizeof(VkDispatchIndirectCommand)};
 }
 
+/// A compiled shader's SPIR-V as Vulkan takes it.
+Handle<VkShaderModule> make_shader_module(const Device& device, std::span<const std::uint32_t> words);
+
 class ComputePipeline {
  public:
   /// No pipeline yet: converts to false and must not be dispatched.

@@ -37,8 +37,8 @@ Point sounding(const Vec3& place_m, double gain, double time_s, bool& warned, co
 
 }  // namespace
 
-PatternSensation::PatternSensation(Pattern pattern, const std::map<std::string, double>& given, double speed)
-    : speed_(speed) {
+PatternSensation::PatternSensation(Pattern pattern, const std::map<std::string, double>& given, double speed) {
+  next_.speed = speed;
   next_.pattern = std::make_shared<const Pattern>(std::move(pattern));
   set_parameters(given);
   take_changes();
@@ -46,7 +46,7 @@ PatternSensation::PatternSensation(Pattern pattern, const std::map<std::string, 
 
 Evaluation PatternSensation::step_at(double time_ms, const Values& values, State& state) const {
   return evaluate(*now_.pattern, values, time_ms, state.progress, state.random,
-                  {.speed = speed_, .matrix = now_.matrix ? &*now_.matrix : nullptr});
+                  {.speed = now_.speed, .matrix = now_.matrix ? &*now_.matrix : nullptr});
 }
 
 Evaluation PatternSensation::step(double time_s, const Values& values, State& state) const {
@@ -119,6 +119,10 @@ void PatternSensation::set_parameter(const std::string& name, double value) {
 
 void PatternSensation::set_pattern(Pattern pattern) {
   change([&](Content& next) { next.pattern = std::make_shared<const Pattern>(std::move(pattern)); });
+}
+
+void PatternSensation::set_speed(double speed) {
+  change([&](Content& next) { next.speed = speed; });
 }
 
 void PatternSensation::set_matrix(const Transform& matrix) {

@@ -87,7 +87,9 @@ class PatternSensation final : public Sensation {
   void set_parameter(const std::string& name, double value);
   /// Another pattern, at the same time.
   void set_pattern(Pattern pattern);
-  /// Applied to places in millimetres, before the brush.
+  /// Multiplies the pattern's own speed.
+  void set_speed(double speed);
+  /// Applied to places in millimetres, before the brush; any matrix. Places are divided by their fourth coordinate.
   void set_matrix(const Transform& matrix);
 
  private:
@@ -96,6 +98,7 @@ class PatternSensation final : public Sensation {
     std::map<std::string, double> given;
     Values values;
     std::optional<Transform> matrix;
+    double speed = 1;
   };
   template <typename Change>
   void change(Change change);
@@ -103,7 +106,6 @@ class PatternSensation final : public Sensation {
   Evaluation step_at(double time_ms, const Values& values, State& state) const;
 
   Content now_;
-  double speed_;
   bool warned_ = false;
   std::mutex mutex_;
   Content next_;

@@ -25,6 +25,8 @@ using geometry::gltf::Json;
 constexpr const char* format_name = "MidAirHapticsAnimationFileFormat";
 constexpr const char* revisions[] = {"0.1.0-alpha.3", "0.1.0-alpha.2", "0.0.10-alpha.1"};
 constexpr std::size_t most_nodes = 100'000;
+/// In one formula. In each step of 0.05 ms, about 25 numbers are computed.
+constexpr std::size_t most_nodes_of_one = 256;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 constexpr Word<Keyframe::Kind> keyframe_words[] = {
@@ -125,6 +127,8 @@ std::uint32_t Reader::node(const Item& item, Number& number) {
     made.b = node(item.element("value", item.where() + ", operand", 1), number);
   }
   number.nodes.push_back(made);
+  if (number.nodes.size() > most_nodes_of_one)
+    item.fail(fmt::format("a formula has more than {} parts", most_nodes_of_one));
   return static_cast<std::uint32_t>(number.nodes.size() - 1);
 }
 

@@ -13,7 +13,7 @@
 namespace palpa::session {
 
 /// The place of a hand on which a sensation plays. One thread writes, others read.
-class Anchor {
+class HandPlace {
  public:
   struct Seen {
     std::optional<Transform> T_array_hand{};  ///< empty: there is no hand

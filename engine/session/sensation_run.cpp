@@ -7,6 +7,7 @@
 #include <deque>
 #include <limits>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "array/plausible.hpp"
@@ -98,31 +99,6 @@ class PointsAhead {
   std::vector<sensation::Point> out_;
 };
 
-/// Warns once of places that cannot be driven or are of no use.
-class PlaceWatch {
- public:
-  explicit PlaceWatch(const array::Layout& layout) : layout_(layout) {}
-
-  /// Whether it can be driven; otherwise, it is silent.
-  bool drivable(const Vec3& place_m) {
-    if (array::drivable({.position = place_m})) return true;
-    if (!std::exchange(far_, true))
-      log::warning("the sensation goes farther than 100 m from the array: it is silent there");
-    return false;
-  }
-  void look(const Box& box) {
-    if (odd_ || box.empty()) return;
-    const std::string odd = array::implausible_place(layout_, box);
-    if (odd.empty()) return;
-    odd_ = true;
-    log::warning("the sensation " + odd);
-  }
-
- private:
-  const array::Layout& layout_;
-  bool far_ = false, odd_ = false;
-};
-
 /// Makes the plans of a run: a frame is nothing but a moment.
 class SensationPlanner final : public Planner {
  public:
@@ -141,6 +117,9 @@ class SensationPlanner final : public Planner {
   void start(const SkinFrame& frame) override { frame_ = frame; }
   bool step(Plan& plan, FrameReport& report) override;
   void set_pose(std::uint32_t, const Transform&) override {}
+  std::string_view too_slow() const override {
+    return "the sensation takes longer to compute than it lasts: give it a faster function, or a longer --dwell";
+  }
 
   /// When the run has ended, on its clock; infinite: not yet known. For any thread.
   double end_s() const { return end_s_; }
@@ -148,10 +127,11 @@ class SensationPlanner final : public Planner {
  private:
   void follow_changes(std::uint64_t next);
   void take_changes();
-  void tell_sounded(std::uint64_t next);
+  void tell_sounded(std::uint64_t next, double at_s);
   void find_end();
   double gain_of(const sensation::Point& point) const { return point.stop || too_fast_ ? 0 : point.gain; }
-  Anchor::Seen hand(double at_s) const;
+  bool on_hand() const { return setting_.hand != nullptr && control_.now().follows; }
+  HandPlace::Seen hand(double at_s) const;
   void make(std::uint64_t next, double begin_s, Plan& plan);
   void fill(std::uint64_t from, std::uint64_t until, const std::optional<Transform>& hand, array::Voice& voice);
   void list(std::uint64_t from, std::uint64_t until, Plan& plan);
@@ -165,7 +145,7 @@ class SensationPlanner final : public Planner {
   std::optional<SkinFrame> frame_;
   const touch::Touch nothing_;
   std::optional<std::uint64_t> change_;  ///< of the control, that is followed
-  bool plays_ = false, too_fast_ = false, warned_ = false;
+  bool plays_ = false, too_fast_ = false, warned_ = false, looked_ = false, coarse_ = false;
   std::optional<std::uint64_t> end_;  ///< the slot in which it has ended
   std::atomic<double> end_s_{std::numeric_limits<double>::infinity()};
   std::uint64_t told_ = 0;  ///< the slots before it have been told to the control
@@ -184,6 +164,12 @@ void SensationPlanner::take_changes() {
                     "is silent until it is slower",
                     hz, sensation::most_hz));
   }
+  // The sensation that a run begins with has been looked at before.
+  const bool first = !std::exchange(looked_, true);
+  if (first || too_fast_ || places_in_a_turn(hz, setting_.output.slot_s) >= few_places || std::exchange(coarse_, true))
+    return;
+  log::warning(fmt::format("the sensation now turns at {:g} Hz, so one turn has {:.3g} places: give a shorter --dwell",
+                           hz, places_in_a_turn(hz, setting_.output.slot_s)));
 }
 
 void SensationPlanner::follow_changes(std::uint64_t next) {
@@ -205,21 +191,21 @@ void SensationPlanner::follow_changes(std::uint64_t next) {
 }
 
 /// The hand on which it plays at that time, if there is one that is not out of date.
-Anchor::Seen SensationPlanner::hand(double at_s) const {
-  const bool follows = setting_.anchor != nullptr && control_.now().follows;
-  Anchor::Seen seen = follows ? setting_.anchor->now() : Anchor::Seen{};
+HandPlace::Seen SensationPlanner::hand(double at_s) const {
+  HandPlace::Seen seen = on_hand() ? setting_.hand->now() : HandPlace::Seen{};
   if (!(at_s < seen.captured_s + setting_.output.hold_s)) seen.T_array_hand.reset();
   return seen;
 }
 
 /// Points whose slots have passed have sounded.
-void SensationPlanner::tell_sounded(std::uint64_t next) {
+void SensationPlanner::tell_sounded(std::uint64_t next, double at_s) {
   const std::uint64_t least = next > count_ ? next - count_ : 0;  // older ones are not kept
-  const Anchor::Seen seen = hand(-std::numeric_limits<double>::infinity());
+  const HandPlace::Seen seen = hand(at_s);
   for (told_ = std::max(told_, least); told_ < next; ++told_) {
     sensation::Point point = points_.at(told_);
     point.place_m = placed(point, setting_, seen.T_array_hand);
-    point.gain = gain_of(point);
+    const bool drivable = array::drivable({.position = transform_point(setting_.T_world_array, point.place_m)});
+    point.gain = drivable && (seen.T_array_hand || !on_hand()) ? gain_of(point) : 0;
     control_.sounded(point);
     if (!point.stop) continue;
     if (!setting_.ends) {
@@ -247,17 +233,15 @@ void SensationPlanner::fill(std::uint64_t from, std::uint64_t until, const std::
   std::iota(voice.order.begin(), voice.order.end(), 0U);
   voice.dwell_s = setting_.output.slot_s;
   voice.course.first_slot = from;
-  Box box;
   for (std::uint64_t slot = from; slot < until; ++slot) {
     const sensation::Point point = slot < points_.begin() ? sensation::Point{} : points_.at(slot);
     const Vec3 place = transform_point(setting_.T_world_array, placed(point, setting_, hand));
     const double gain = gain_of(point);
-    const bool sounds = gain > 0 && watch_.drivable(place);
-    if (sounds) box.add(place);
+    const bool sounds = gain > 0 && watch_.sounds(place);
     voice.foci[slot % count_] = array::drivable({.position = place}) ? place : Vec3(0);
     voice.course.gains.push_back(sounds ? gain : 0);
   }
-  watch_.look(box);
+  watch_.look();
 }
 
 /// Lists the drives of these slots, with their gains. Others are silent.
@@ -289,15 +273,14 @@ void SensationPlanner::make(std::uint64_t next, double begin_s, Plan& plan) {
   follow_changes(next);
   // The output may be late and take the plan for the slot before, which is as it was.
   const std::uint64_t from = next > 0 ? next - 1 : 0;
-  if (plays_) tell_sounded(from);
+  if (plays_) tell_sounded(from, time_of(from));
   if (!plays_) return;
   points_.fill(std::max(points_.begin(), from) + count_);
   find_end();
   end_s_ = end_ && setting_.ends ? time_of(*end_) : std::numeric_limits<double>::infinity();
   const std::uint64_t until = std::min(from + count_, end_.value_or(from + count_));
-  const bool on_hand = setting_.anchor != nullptr && control_.now().follows;
-  const Anchor::Seen seen = hand(time_of(next));
-  if (until <= next || (on_hand && !seen.T_array_hand)) return;
+  const HandPlace::Seen seen = hand(time_of(next));
+  if (until <= next || (on_hand() && !seen.T_array_hand)) return;
   plan.schedule.slot_s = output.slot_s;
   plan.schedule.time_s = time_of(from) - begin_s;
   plan.schedule.once = true;
@@ -308,7 +291,7 @@ void SensationPlanner::make(std::uint64_t next, double begin_s, Plan& plan) {
     list(from, until, plan);
   }
   plan.captured_s = time_of(until) - output.hold_s;
-  if (on_hand) plan.captured_s = std::min(plan.captured_s, seen.captured_s);
+  if (on_hand()) plan.captured_s = std::min(plan.captured_s, seen.captured_s);
 }
 
 bool SensationPlanner::step(Plan& plan, FrameReport& report) {
@@ -350,6 +333,25 @@ class Moments final : public sensing::DepthSource {
 
 }  // namespace
 
+bool PlaceWatch::sounds(const Vec3& place_m) {
+  if (!array::drivable({.position = place_m})) {
+    if (!std::exchange(far_, true))
+      log::warning("the sensation goes farther than 100 m from the array: it is silent there");
+    return false;
+  }
+  box_.add(place_m);
+  return true;
+}
+
+void PlaceWatch::look() {
+  const Box box = std::exchange(box_, {});
+  if (odd_ || box.empty()) return;
+  const std::string odd = array::implausible_place(layout_, box);
+  if (odd.empty()) return;
+  odd_ = true;
+  log::warning("the sensation " + odd);
+}
+
 Vec3 placed(const sensation::Point& point, const SensationSetting& setting, const std::optional<Transform>& hand) {
   const Vec3 local = point.place_m - Vec3(0, 0, point.height_m);
   if (hand) return setting.upright ? Vec3((*hand)[3]) + local : transform_point(*hand, local);
@@ -375,6 +377,12 @@ std::vector<sensation::Point> points_of_slots(sensation::Sensation& sensation, c
     points.erase(stopped, points.end());
     break;
   }
+  PlaceWatch watch(setting.output.layout);
+  for (sensation::Point& point : points) {
+    if (point.gain > 0 && !watch.sounds(transform_point(setting.T_world_array, placed(point, setting, {}))))
+      point.gain = 0;
+  }
+  watch.look();
   return points;
 }
 
@@ -393,17 +401,13 @@ OutputStats record_sensation(std::span<const sensation::Point> points, Link& lin
   const array::Layout& layout = setting.output.layout;
   OutputStats stats;
   SafeLink safe(link, layout.transducers.size(), setting.output.safety, setting.output.slot_s);
-  PlaceWatch watch(layout);
   array::Drive drive(layout.transducers.size());
   array::DriveScratch scratch;
   std::uint64_t slot = 0;
   for (; slot < points.size() && !stop; ++slot) {
     const sensation::Point& point = points[slot];
     const Vec3 place = transform_point(setting.T_world_array, placed(point, setting, {}));
-    const bool sounds = point.gain > 0 && watch.drivable(place);
-    if (sounds) watch.look({place, place});
-    const array::SlotFocus focus{.position = sounds ? place : Vec3(0),
-                                 .gain = sounds ? static_cast<float>(point.gain) : 0};
+    const array::SlotFocus focus{.position = point.gain > 0 ? place : Vec3(0), .gain = static_cast<float>(point.gain)};
     array::drive_for(layout, {&focus, 1}, setting.output.drive, drive, scratch);
     safe.send(slot, drive);
     stats.sent(0, !safe.sounded());

@@ -18,6 +18,7 @@ import signal
 import sys
 import threading
 import urllib.parse
+import warnings
 
 import palpa
 import websockets
@@ -65,6 +66,7 @@ class Player:
     """The sensation that plays, and what clients may change about it."""
 
     def __init__(self, options):
+        self.has_hand = "on" in options
         self.sensation = palpa.Sensation("point")
         self.sensation.set_pattern(SILENCE)
         self.sensation.pause()
@@ -120,6 +122,8 @@ class Player:
         self.sensation.set_matrix(matrix)
 
     def do_update_tracking(self, data):
+        if data["enabled"] is True and not self.has_hand:
+            raise ValueError("update_tracking: give the server --on and --source")
         self.sensation.follow(data["enabled"] is True)
 
     def do_parameter_time(self, data):
@@ -249,7 +253,13 @@ async def run(player, arguments):
         player.end()
 
 
+def warn(message, *_where):
+    """Shows a warning as palpa's programs do."""
+    print(f"warning: {message}", file=sys.stderr, flush=True)
+
+
 def main():
+    warnings.showwarning = warn
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--port", type=int, default=PORT, help="port on 127.0.0.1 [8037, as the Designer has it]")
     parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN",

@@ -35,11 +35,12 @@ def __getattr__(name):
 
 
 # palpa's own models and rigs: in the package, or where `cmake --install` puts them.
-for _folder in (_pathlib.Path(__file__).parent / "assets", _pathlib.Path(__file__).parent / "../../../../share/palpa/assets"):
-    if _folder.is_dir():
-        _engine._use_assets(str(_folder))
+_folder = _pathlib.Path(__file__).parent
+for _assets in (_folder / "assets", _folder / "../../../../share/palpa/assets"):
+    if _assets.is_dir():
+        _engine._use_assets(str(_assets))
         break
 # The guard of boards: beside the module, or where `cmake --install` puts it.
 _folder = _pathlib.Path(__file__).resolve().parent
 _engine._use_guards([str(_folder / "palpa-guard"), str((_folder / "../../../../libexec/palpa/palpa-guard").resolve())])
-del _folder
+del _assets, _folder

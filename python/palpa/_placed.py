@@ -3,10 +3,11 @@ import numpy as _np
 
 
 class Placed(_np.ndarray):
-    """An array with `of`: "world" or a Layout, for points of its frame and drives of its transducers; None if it is not known.
+    """An array with `of`: "world" or a Layout, for points of its frame and drives of its transducers; None if it is not
+    known.
 
-    Views, copies and parts of it keep `of`. Results of calculations are plain arrays, because palpa cannot know where they
-    belong. numpy.asarray(array) is a plain array, too. What is written into it from elsewhere changes `of`.
+    Views, copies and parts of it keep `of`. Results of calculations are plain arrays, because palpa cannot know where
+    they belong. numpy.asarray(array) is a plain array, too. What is written into it from elsewhere changes `of`.
     """
 
     def __array_finalize__(self, other):
@@ -84,7 +85,7 @@ def _of(value):
 
 
 def _written(array, of, whole=False):
-    """Values that belong to `of` were written into it, so what it is a part of is no longer known to belong elsewhere."""
+    """Values that belong to `of` were written into it: what it is a part of is no longer known to belong elsewhere."""
     if isinstance(array, Placed) and of != array.of:
         array.of = of if whole else None
         _written(array.base, of)

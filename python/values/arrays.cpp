@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
 #include <glm/matrix.hpp>
 
 #include "base/error.hpp"
@@ -175,16 +176,24 @@ double length_of(const std::string& name, py::handle value) {
   return metres;
 }
 
-Transform transform_of(const std::string& name, py::handle value) {
+Transform matrix_of(const std::string& name, py::handle value) {
   constexpr const char* wanted = "a transform, an array of shape (4, 4)";
   const py::array given = any_array(name, value, wanted);
   if (given.ndim() != 2 || given.shape(0) != 4 || given.shape(1) != 4) refuse_shape(name, given, wanted);
   const py::array_t<double> array = real_array(name, given, wanted);
   Transform transform{1.0};
   for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column)
-      transform[column][row] = array.data()[4 * row + column];
+    for (int column = 0; column < 4; ++column) {
+      const double number = array.data()[4 * row + column];
+      if (!std::isfinite(number)) throw bad_usage(fmt::format("{}: not all of its numbers are finite", name));
+      transform[column][row] = number;
+    }
   }
+  return transform;
+}
+
+Transform transform_of(const std::string& name, py::handle value) {
+  const Transform transform = matrix_of(name, value);
   double worst = 0;
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < 3; ++b) {
@@ -192,9 +201,8 @@ Transform transform_of(const std::string& name, py::handle value) {
       worst = std::max(worst, std::abs(dot - (a == b ? 1.0 : 0.0)));
     }
   }
-  const bool bottom = array.data()[12] == 0 && array.data()[13] == 0 && array.data()[14] == 0 && array.data()[15] == 1;
-  const Vec3 place(transform[3]);
-  if (!(worst < 1e-4) || glm::determinant(transform) < 0 || !bottom || !std::isfinite(place.x + place.y + place.z)) {
+  const bool bottom = glm::row(transform, 3) == Vec4(0, 0, 0, 1);
+  if (!(worst < 1e-4) || glm::determinant(transform) < 0 || !bottom) {
     throw bad_usage(fmt::format("{}: is no rigid transform: it needs a rotation, and the last row (0, 0, 0, 1)", name));
   }
   return transform;

@@ -40,6 +40,8 @@ std::vector<double> numbers_of(const std::string& name, py::handle value);
 double length_of(const std::string& name, py::handle value);
 /// An array of shape (4, 4), rows as in files.
 Transform transform_of(const std::string& name, py::handle value);
+/// Any finite array of shape (4, 4).
+Transform matrix_of(const std::string& name, py::handle value);
 /// An array of shape (m, 3) of whole numbers below `points`.
 std::vector<glm::uvec3> triangles_of(const std::string& name, py::handle value, std::size_t points);
 /// True or False, also NumPy's.

@@ -55,14 +55,15 @@ std::vector<array::TransducerDrive> still_drives(double slot_s) {
   return drives;
 }
 
-double level_of(const std::vector<array::TransducerDrive>& drives, double slot_s, const Changes& changes, double q) {
+double level_of(const std::vector<array::TransducerDrive>& drives, double slot_s, const array::Changes& changes,
+                double q) {
   return a_weighted_db(heard_sound({drives, 256, slot_s, changes}, q, ear()));
 }
 
 TEST(Audible, IsAsAnIndependentProgramComputesIt) {
   const auto drives = ring_drives();
   struct Case {
-    Changes changes;
+    array::Changes changes;
     double q20, q40;
   };
   for (const Case& one : {Case{{}, 63.72, 60.45}, Case{{4, 7, 7}, 46.78, 49.00}, Case{{4, 14, 14}, 36.60, 37.88},
@@ -120,6 +121,40 @@ TEST(Audible, ConstantPowerIsSilentAndTheWeightingIsThatOfTheStandard) {
   // IEC 61672-1, table 3.
   for (const auto& [hz, db] : {std::pair(100.0, -19.1), {200.0, -10.9}, {1000.0, 0.0}, {2500.0, 1.3}, {10000.0, -2.5}})
     EXPECT_NEAR(a_weighting_db(hz), db, 0.1) << hz;
+}
+
+/// Nothing changes in the rest of a long slot: its energy is spread over a longer time.
+TEST(Audible, LongSlotsAreQuieterByTheirLength) {
+  const std::vector<array::TransducerDrive> drives{{1, 0}, {1, static_cast<float>(pi)}, {0.5f, 0}};
+  const auto level_in = [&](double slot_s, const array::Changes& changes) {
+    return a_weighted_db(heard_sound({drives, 1, slot_s, changes}, 40, ear()));
+  };
+  for (const array::Changes& changes : {array::Changes{}, array::Changes{4, 14, 14}}) {
+    for (const double slot_s : {20e-3, 50e-3, 60e-3, 1.0})
+      EXPECT_NEAR(level_in(slot_s, changes), level_in(10e-3, changes) - 10 * std::log10(slot_s / 10e-3), 0.02)
+          << slot_s;
+  }
+  // A slot that is heard as a whole.
+  EXPECT_NEAR(level_in(10e-3, {}), level_in(8e-3, {}) - 10 * std::log10(10.0 / 8), 0.1);
+}
+
+TEST(Audible, AWavFileOfLongSlotsHasTheirPauses) {
+  const std::vector<array::TransducerDrive> drives{{1, 0}, {1, static_cast<float>(pi)}, {0.5f, 0}};
+  double peak = 0;
+  const std::string wav = to_wav(heard_sound({drives, 1, 60e-3, {}}, 20, ear()), 30, peak);
+  const auto loudest = [&](double from_s, double to_s) {
+    int most = 0;
+    for (auto i = static_cast<std::size_t>(from_s * 48000); i < static_cast<std::size_t>(to_s * 48000); ++i) {
+      std::int16_t value = 0;
+      std::memcpy(&value, wav.data() + 44 + 2 * i, 2);
+      most = std::max(most, std::abs(value));
+    }
+    return most;
+  };
+  for (const int slot : {0, 1, 2, 3, 4, 40}) {
+    EXPECT_GT(loudest(60e-3 * slot, 60e-3 * slot + 5e-3), 100) << slot;
+    EXPECT_EQ(loudest(60e-3 * slot + 11e-3, 60e-3 * slot + 59e-3), 0) << slot;
+  }
 }
 
 TEST(Audible, AWavFileHasTheSoundAtItsScale) {

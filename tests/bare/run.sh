@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # run.sh [12|13]...: palpa on a bare Debian, made here with debootstrap; on both versions if none is named. In each:
-#   1. An ordinary user with sudo runs the README's two commands in a fresh copy of the project, with nothing installed before.
+#   1. An ordinary user with sudo runs the README's two commands in a fresh copy of the project, with nothing installed
+#      before. Between them come the commands of the first hour in a lab (first_hour.sh).
 #   2. Another user, without sudo and without a writable home folder, builds a second copy beside the first one with
 #      clang, with every warning an error, and runs the tests: without a network, in 4 GiB of memory, with a locale that
 #      is not UTF-8 and a umask of 077.
@@ -9,8 +10,9 @@
 # warning in the first copy is a failure, too: it would be an error for developers of palpa.
 #
 # Needs root (or sudo), Linux and a network. If one of them is missing, it says so and ends with exit code 0. Everything
-# is in build/bare/VERSION, including logs. PALPA_BARE_LEGS: which of the three to run ["1 2 3"].
-# PALPA_BARE_KEEP: if set, the system stays there afterwards.
+# is in build/bare/VERSION, including logs. PALPA_BARE_LEGS: which of the three to run ["1 2 3"]; walk: 1 without the
+# tests. PALPA_BARE_KEEP: if set, the system stays there afterwards. PALPA_BARE_CCACHE: a folder of ccache's with which
+# the first user begins, for a quick second run; what it has was compiled with every warning an error.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
@@ -34,7 +36,7 @@ done
 [[ $(uname -s) == Linux ]] || skip "debootstrap needs Linux"
 if ((EUID != 0)); then
   if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
-    exec sudo --preserve-env=PALPA_BARE_LEGS,PALPA_BARE_KEEP "$PWD/tests/bare/run.sh" "$@"
+    exec sudo --preserve-env=PALPA_BARE_LEGS,PALPA_BARE_KEEP,PALPA_BARE_CCACHE "$PWD/tests/bare/run.sh" "$@"
   fi
   skip "this needs root, or sudo without a password"
 fi
@@ -155,12 +157,22 @@ in_debian() {
   mkdir -p "$base"
   pack "$base/palpa.tar"
   bootstrap
-  if [[ $legs == *' 1 '* ]]; then
+  if [[ $legs == *' 1 '* || $legs == *' walk '* ]]; then
     copy ada palpa
     environment=(HOME=/srv/ada USER=ada)
+    if [[ -n ${PALPA_BARE_CCACHE-} ]]; then
+      environment+=(PALPA_WERROR=ON CCACHE_DIR=/srv/ada/ccache)
+      cp -r "$PALPA_BARE_CCACHE" "$root/srv/ada/ccache"
+      inside chown -R ada:ada /srv/ada/ccache
+    fi
     step readme-demo by ada palpa './dev demo'
-    step readme-test by ada palpa './dev test'
     ran readme-demo 'pictures, foci and drives are in'
+    step first-hour by ada palpa tests/bare/first_hour.sh
+    ran first-hour 'first touch [0-9]* s after the build'
+    no_warnings
+  fi
+  if [[ $legs == *' 1 '* ]]; then
+    step readme-test by ada palpa './dev test'
     ran readme-test '100% tests passed'
     no_warnings
   fi

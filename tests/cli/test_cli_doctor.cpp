@@ -1,7 +1,13 @@
 // `palpa doctor` on any machine: with or without a GPU, with or without USB.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <string>
 
 #include "cli/commands.hpp"
 #include "cli/support/here.hpp"
@@ -79,6 +85,35 @@ TEST(Doctor, SaysTheSchedulingThatARunGets) {
   std::vector<std::string> as_json = run;
   as_json.insert(as_json.end(), {"--json", "-"});
   EXPECT_EQ(json::parse(palpa(as_json).out)["scheduling"], json({{"output", scheduling}}));
+}
+
+/// The soft limit and the handler that threads in real time change, and how much memory is locked.
+std::string what_scheduling_changes() {
+  rlimit limit{};
+  getrlimit(RLIMIT_RTTIME, &limit);
+  struct sigaction action {};
+  sigaction(SIGXCPU, nullptr, &action);
+  std::ifstream status("/proc/self/status");
+  std::string line;
+  while (std::getline(status, line) && !line.starts_with("VmLck:")) {
+  }
+  return fmt::format("{} {} {}", limit.rlim_cur, action.sa_handler == SIG_DFL, line);
+}
+
+TEST(Doctor, LeavesTheSchedulingOfItsProcessAsItWasAndSoDoesARun) {
+  // A service may need a hard limit as low as that.
+  rlimit limit{};
+  getrlimit(RLIMIT_RTTIME, &limit);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, 150'000);
+  setrlimit(RLIMIT_RTTIME, &limit);
+  const std::string before = what_scheduling_changes();
+  for (int i = 0; i < 2; ++i) {
+    palpa_here({"doctor", "--quiet"});
+    EXPECT_EQ(what_scheduling_changes(), before);
+    palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--link", "null",
+                "--backend", "cpu", "--frames", "3", "--quiet"});
+    EXPECT_EQ(what_scheduling_changes(), before);
+  }
 }
 
 TEST(Doctor, WithoutAGpuItAdvisesAndReturns3) {

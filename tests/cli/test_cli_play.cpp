@@ -159,6 +159,9 @@ TEST(Play, AStopEndsIt) {
   const std::string long_one = pattern_file("long", stopping(500'000 * 0.05));
   EXPECT_EQ(play(long_one + " --dwell 0.05ms --csv /dev/null").exit_code, 0);
   EXPECT_EQ(play(pattern_file("longer", stopping(500'001 * 0.05)) + " --dwell 0.05ms --csv /dev/null").exit_code, 2);
+  const Result slow = play("point --dwell 50ms --duration 1000.05s --csv /dev/null");
+  EXPECT_EQ(slow.exit_code, 2);
+  EXPECT_CONTAINS(slow.err, "point plays for more than 20000 slots of 50 ms: give a --duration of at most 1000s");
 }
 
 TEST(Play, ChoosesTheLongestSlotOfWholePeriodsWithSixteenInATurn) {
@@ -192,7 +195,7 @@ TEST(Play, SaysWhatIsWrong) {
   says("", 2, "give one sensation: a pattern's file, or circle, heartbeat, lateral, point, sweep");
   says("circle point", 2, "give one sensation");
   says("nobody", 4, "nobody: neither a file nor a known sensation; known: circle, heartbeat, lateral, point, sweep");
-  says("circle --param radius", 2, "--param: 'radius' is not NAME=VALUE, such as rate=80");
+  says("circle --param radius", 2, "--param: 'radius' is not NAME=VALUE with a finite number, such as rate=80");
   says("circle --param radius=nan", 2, "--param: 'radius=nan' is not NAME=VALUE");
   says("circle --param width=3", 2, "circle.adaptics has no parameter 'width'; it has radius");
   says("circle --duration 5ms --csv /dev/null --param radius=31", 0,
@@ -200,11 +203,20 @@ TEST(Play, SaysWhatIsWrong) {
   says("circle --at 0,0,101m", 2, "--at is farther than 100 m from the array");
   says("circle --duration 1ms --layout openmpd --link record:/dev/null --at 0,0,-10cm", 0, "lies behind the array");
   says("circle --duration 1ms --layout openmpd --link record:/dev/null --at 0,0,3m", 0, "the sensation");
+  says("circle --duration 5ms --layout openmpd --csv /dev/null --at 0,0,-10cm", 0,
+       "the sensation lies behind the array");
   says("circle --dwell 0.04ms", 2, "--dwell");
   says("circle --dwell 51ms", 2, "--dwell");
   says("circle --on palm", 2, "--on needs --source");
   says("circle --on palm --source synthetic", 2, "--on goes with a tracker of hands");
   says("circle --on finger --source synthetic", 2, "--on finger needs --scene");
+}
+
+TEST(Play, APlaceThatCannotBeDrivenIsSilentInItsTable) {
+  const std::string far = pattern_file("far", {.keyframes = key("standard", 0, coords(2e5, 0, 0) + intensity(f64(1)))});
+  for (const auto& slot : slots_of(far + " --duration 5ms"))
+    EXPECT_EQ(slot[4], 0);
+  EXPECT_CONTAINS(play(far + " --duration 5ms --csv /dev/null").err, "farther than 100 m from the array");
 }
 
 TEST(Play, SeveralParametersAndTheLastOfEachCount) {

@@ -177,5 +177,62 @@ TEST(TouchLine, IsWarnedOfWhatIsHardlyMeant) {
                   "it measures 40 mm");
 }
 
+/// With --audible, foci are played as a run on the layout's own boards plays them.
+json audible_touch(const std::vector<std::string>& more, const std::string& told = "") {
+  const Result result = palpa_here(with(cube_touch({"--audible", "--json", "-"}), more));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  if (told.empty()) {
+    EXPECT_EQ(result.err, "");
+  } else {
+    EXPECT_CONTAINS(result.err, told);
+  }
+  return json::parse(result.out);
+}
+
+TEST(TouchAudible, StillFociHaveTheSlotsThatTheirBoardsPlay) {
+  const std::vector<std::string> still{"--method", "single-focus", "--layout"};
+  const auto dwell_of = [](const json& report) { return report["schedule"]["dwell_s"].get<double>(); };
+  const json usual = audible_touch(with(still, {"openmpd"}));
+  EXPECT_EQ(dwell_of(usual), 0.3e-3);
+  EXPECT_EQ(usual["audible_dba"], audible_touch(with(still, {"openmpd", "--dwell", "0.3ms"}))["audible_dba"]);
+  const json coarse = audible_touch(with(still, {"openmpd", "--dwell", "1.5ms"}));
+  for (const int end : {0, 1})
+    EXPECT_GT(coarse["audible_dba"][end].get<double>(), usual["audible_dba"][end].get<double>() + 3);
+  EXPECT_EQ(dwell_of(audible_touch(with(still, {"openmpd", "--steps", "off"}))), 1.5e-3);
+  EXPECT_EQ(dwell_of(audible_touch(with(still, {"paper"}))), 1.5e-3) << "units that modulate by their own clock";
+  EXPECT_EQ(dwell_of(audible_touch({"--layout", "openmpd"})), 1.5e-3) << "foci that move";
+}
+
+TEST(TouchAudible, SaysWhereThereAreFewerSteps) {
+  const std::vector<std::string> openmpd{"--layout", "openmpd", "--dwell"};
+  audible_touch(with(openmpd, {"0.25ms"}),
+                "--audible: phases jump from drive to drive, because a dwell of 0.25 ms has");
+  audible_touch(with(openmpd, {"0.25ms", "--steps", "off"}));
+  audible_touch(with(openmpd, {"3ms"}), "in the first 1.4 ms of a dwell of 3 ms, because silence must not wait longer");
+}
+
+TEST(TouchAudible, ALongDwellHasALevelToo) {
+  const auto level_of = [](const std::string& dwell, const std::string& told) {
+    return audible_touch({"--layout", "openmpd", "--steps", "off", "--dwell", dwell}, told)["audible_dba"];
+  };
+  const json at_20 = level_of("20ms", ""), at_80 = level_of("80ms", "--dwell of 80ms is long");
+  for (const int end : {0, 1})
+    EXPECT_NEAR(at_20[end].get<double>() - at_80[end].get<double>(), 10 * std::log10(4.0), 0.1) << end;
+}
+
+TEST(TouchAudible, ASlowLineMovesNoFoci) {
+  const json one =
+      audible_touch({"--layout", "sonicsurface"},
+                    "--layout sonicsurface: takes 11.3 ms for each focus, longer than the dwell of 1.5 ms, "
+                    "so palpa plays --method single-focus");
+  EXPECT_EQ(one["fingers"][0]["foci_m"].size(), 1u);
+  EXPECT_EQ(one["audible_dba"], audible_touch({"--layout", "sonicsurface", "--method", "single-focus"})["audible_dba"]);
+  EXPECT_EQ(audible_touch({"--layout", "sonicsurface", "--dwell", "12ms"})["fingers"][0]["foci_m"].size(), 10u);
+  expect_failure(
+      palpa_here(cube_touch({"--audible", "--layout", "sonicsurface", "--method", "cross-section"})), 2,
+      "--audible: SonicSurface boards take 11.3 ms for each focus, so a dwell of 1.5 ms is too short for foci "
+      "that move; use --dwell 12ms, or --method single-focus");
+}
+
 }  // namespace
 }  // namespace palpa::test

@@ -18,6 +18,7 @@ BEGIN {
   interface["cli/command.hpp"] = interface["setup/options/options.hpp"] = interface["line/values.hpp"] = 1  # its commands
   interface["array/transducer_drive.hpp"] = interface["array/layouts/layout.hpp"] = interface["array/schedule.hpp"] = 1
   interface["array/layouts/board_types.hpp"] = 1  # what a board can play
+  interface["array/layouts/changes.hpp"] = 1  # how it goes from drive to drive
   interface["acoustics/field/incident.hpp"] = interface["acoustics/air.hpp"] = 1  # the sound of an emulator's bytes
 
   # The folders of a library, and the headers at its top that they know, lowest first: each may include the earlier ones.

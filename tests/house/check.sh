@@ -72,6 +72,17 @@ includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' '
 # Files are opened only where the register of files sees it: tests/house/files.py.
 registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'python/*.?pp' | xargs -r python3 tests/house/files.py; }
 
+# Each fault of tests/house/mutants applies to the sources.
+faults() {
+  local patch found=0
+  for patch in tests/house/mutants/*.patch; do
+    git apply --check "$patch" 2>/dev/null && continue
+    echo "   $patch does not apply: make the same fault in the code of today"
+    found=1
+  done
+  return "$found"
+}
+
 # Files are small and have one job. A longer one is listed with its reason in tests/house/long-files.txt.
 sizes() {
   files '*.cpp' '*.hpp' '*.h' '*.c' '*.comp' '*.vert' '*.frag' '*.glsl' '*.sh' '*.py' '*.cmake' dev | xargs -d '\n' wc -l |
@@ -185,6 +196,7 @@ step "arrows between libraries" arrows
 step "includes" includes
 step "register of files" registered
 step "file sizes" sizes
+step "mutants apply" faults
 step "machine paths" paths
 step "scratch folders" scratch
 step "refusals in tests" refusals

@@ -136,6 +136,31 @@ print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
     assert (done.returncode, done.stdout, done.stderr) == (0, "7\n", "")
 
 
+def test_runs_leave_the_process_as_it_was():
+    """A program goes on after a run, and starts others: its limits, its handler of SIGXCPU and its memory are its own."""
+    code = """
+import resource, signal, threading, palpa
+def state():
+    locked = [line for line in open("/proc/self/status") if line.startswith("VmLck")]
+    return resource.getrlimit(resource.RLIMIT_RTTIME), signal.getsignal(signal.SIGXCPU), signal.pthread_sigmask(signal.SIG_BLOCK, []), locked, handled()
+def handled():
+    of_libc = 0x180000000  # 32 and 33, which it takes for itself with the first thread
+    return [int(line.split()[1], 16) & ~of_libc for line in open("/proc/self/status") if line.startswith(("SigCgt", "SigIgn", "SigBlk"))]
+def run():
+    palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", link="null", backend="cpu").run(frames=3)
+before = state()
+for _ in range(2):
+    run()
+    print(state() == before)
+threads = [threading.Thread(target=run) for _ in range(2)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+print(state() == before)
+"""
+    done = python(code)
+    assert (done.returncode, done.stdout, done.stderr) == (0, 3 * "True\n", "")
+
+
 @pytest.mark.parametrize("before", ["pass", "session.stop(); session.wait()"])
 def test_a_fork_does_not_wait_for_the_writers_of_a_session(before, tmp_path):
     """Those of its lines and its recording stay in the parent. They would have ten seconds for a disk."""

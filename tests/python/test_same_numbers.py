@@ -159,22 +159,6 @@ def test_there_are_examples():
     assert len(lines("decompose")) > 1 and len(lines("export")) > 1 and len(live_lines()) > 8
 
 
-@pytest.mark.parametrize("line", [
-    "touch --scene assets/prism.glb --points assets/finger.ply --penetration 2mm --method multi-focus --layout openmpd",
-    "touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --foci 7 --stride 2 --dwell 2ms --spacing arc",
-    "touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --method single-focus --modulation-frequency 150Hz",
-    f"drive --layout {TWIN} --focus 0,0,15cm --constraint uniform --amplitude uniform --temperature 25",
-    "drive --layout openmpd --focus 0,0,15cm --focus 2cm,0,15cm,0.5 --solver greedy",
-    "drive --layout openmpd --focus 0,0,15cm --focus 2cm,0,15cm --pressure 500",
-    "field --layout openmpd --focus 0,0,15cm --plane xy --centre 0,0,15cm --size 3cm,2cm --pixels 9,6 --no-absorption",
-    "field --layout openmpd --focus 0,0,15cm --line 0,0,14cm 0,0,16cm --spread amplitude=10% --draws 20 --seed 3",
-    pytest.param("simulate --scene assets/cube.glb --finger assets/finger.ply --method single-focus --layout openmpd --spread phase=0.2 --draws 20"
-                 " --seed 3", marks=pytest.mark.slow),
-])
-def test_further_options(line, made_files):
-    compare(shlex.split(line), made_files)
-
-
 def test_gpu_gives_the_same(cube, finger):
     words = shlex.split("touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm")
     json = run([*words, "--json", "-"])

@@ -42,6 +42,27 @@ def test_parameters_may_differ_from_time_to_time_and_details_are_raw():
         palpa.Sensation("circle", width=3)
 
 
+def test_a_matrix_need_not_be_rigid():
+    point = palpa.Sensation("point")
+    for matrix, height in ((np.eye(4), 0.2), (np.diag([2, 2, 2, 1.0]), 0.4), (np.diag([1, 1, 1, 2.0]), 0.1)):
+        point.set_matrix(matrix)
+        assert np.allclose(point.evaluate([0])[0], [[0, 0, height]])
+    point.set_matrix(np.diag([1, 1, 1, 0.0]))
+    with pytest.warns(palpa.PalpaWarning, match="not a finite number: silence there"):
+        point.play(layout="openmpd", link="record:/dev/null", duration=0.01)
+    with pytest.raises(palpa.BadUsage, match="not all of its numbers are finite"):
+        point.set_matrix(np.diag([1, 1, 1, np.nan]))
+
+
+def test_its_speed_is_that_of_the_command(tmp_path):
+    files = tmp_path / "own.bin", tmp_path / "command.bin"
+    palpa.Sensation("sweep").play(speed=2, layout="openmpd", link=f"record:{files[0]}", duration=0.05)
+    run(["play", "sweep", "--speed", "2", "--layout", "openmpd", "--link", f"record:{files[1]}", "--duration", "50ms"])
+    assert files[0].read_bytes() == files[1].read_bytes()
+    with pytest.raises(palpa.BadUsage, match="speed is for a pattern"):
+        palpa.Sensation(circle).play(speed=2, layout="openmpd", duration=0.01)
+
+
 def test_a_function_plays_and_is_recorded(tmp_path):
     file = tmp_path / "drives.bin"
     own = palpa.Sensation(circle)

@@ -99,18 +99,29 @@ TEST(ReadPattern, WarnsOnceOfKeysThatItIgnores) {
   EXPECT_NE(told.find("\"colour\" of the pattern"), std::string::npos) << told;
 }
 
+std::string formula_of(const std::string& tree) {
+  return R"({"type":"formula","value":)" + tree + "}";
+}
+
 TEST(ReadPattern, BigFilesHaveLimits) {
   std::string sum = R"({"type":"constant","value":1})";
-  for (int i = 0; i < 17; ++i)
+  for (int i = 0; i < 7; ++i)
     sum = R"({"type":"add","value":[)" + sum + "," + sum + "]}";
-  const std::string formula = R"({"type":"formula","value":)" + sum + "}";
-  EXPECT_NE(refusal(with(key("standard", 0, coords(0, 0, 0) + intensity(formula)))).find("more than 100000 parts"),
-            std::string::npos);
+  const auto negated = [](const std::string& of) { return R"({"type":"negate","value":)" + of + "}"; };
+  const auto refused = [](const std::string& formula, int keys) {
+    std::string all;
+    for (int k = 0; k < keys; ++k)
+      all += (k > 0 ? "," : "") + key("standard", k, coords(0, 0, 0) + intensity(formula_of(formula)));
+    return refusal(with(all));
+  };
+  EXPECT_EQ(refused(negated(sum), 1), "");  // 256 parts
+  EXPECT_CONTAINS(refused(negated(negated(sum)), 1), "a formula has more than 256 parts");
+  EXPECT_EQ(refused(sum, 392), "");
+  EXPECT_CONTAINS(refused(sum, 393), "formulas have more than 100000 parts");
   std::string deep = R"({"type":"constant","value":1})";
   for (int i = 0; i < 200; ++i)
     deep = R"({"type":"negate","value":)" + deep + "}";
-  EXPECT_NE(refusal(with(key("standard", 0, coords(0, 0, 0) + intensity(R"({"type":"formula","value":)" + deep + "}"))))
-                .find("nested more than"),
+  EXPECT_NE(refusal(with(key("standard", 0, coords(0, 0, 0) + intensity(formula_of(deep))))).find("nested more than"),
             std::string::npos);
 }
 

@@ -60,7 +60,7 @@ struct Playing {
   array::Layout layout = test::small_layout();
   HeardLink link;
   SensationControl control;
-  Anchor anchor;
+  HandPlace hand;
   std::atomic<bool> stop{false};
   SensationSetting setting{
       .output = {.layout = layout, .drive = {.weighting = array::Weighting::uniform}, .slot_s = slot_s}};
@@ -163,15 +163,15 @@ TEST(SensationRun, StartsAtNoTimeWithoutEnd) {
 
 TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   Playing playing;
-  playing.setting.anchor = &playing.anchor;
+  playing.setting.hand = &playing.hand;
   playing.setting.output.hold_s = 0.03;
   auto sensation = moving();
   playing.link.before = [&](std::uint64_t slot) {
     Transform pose(1.0);
     pose[3] = Vec4(0, 0.02, 0.05, 1);
-    if (slot >= 20 && slot < 100 && slot % 10 == 0) playing.anchor.see(pose, playing.clock.now());
-    if (slot == 150) playing.anchor.see(pose, playing.clock.now());
-    if (slot == 165) playing.anchor.lose();
+    if (slot >= 20 && slot < 100 && slot % 10 == 0) playing.hand.see(pose, playing.clock.now());
+    if (slot == 150) playing.hand.see(pose, playing.clock.now());
+    if (slot == 165) playing.hand.lose();
     if (slot == 200) playing.stop = true;
   };
   playing.run(sensation);
@@ -187,6 +187,7 @@ TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   EXPECT_FALSE(sounds(178));  // a frame without a hand
   const auto point = playing.control.newest(1);
   EXPECT_NEAR(point.at(0).pattern_s, 0.19, 0.02);  // its time went on
+  EXPECT_EQ(point.at(0).gain, 0);
 }
 
 TEST(SensationRun, AHandTurnsItOrLeavesItUpright) {
@@ -240,7 +241,8 @@ TEST(SensationRun, IsSilentWhileItIsFasterThanArraysPlay) {
   };
   const std::string told = test::stderr_of([&] { playing.run(circle); });
   EXPECT_EQ(test::occurrences(told, "the sensation now has a brush or a modulation of 500.5 Hz"), 1U) << told;
-  EXPECT_EQ(test::occurrences(told, "warning"), 1U) << told;
+  EXPECT_EQ(test::occurrences(told, "the sensation now turns at 500 Hz, so one turn has 2 places"), 1U) << told;
+  EXPECT_EQ(test::occurrences(told, "warning"), 2U) << told;
   const auto all = [&](std::uint64_t from, std::uint64_t to, bool sound) {
     for (std::uint64_t slot = from; slot < to; ++slot)
       EXPECT_EQ(playing.link.heard.at(slot).second > 0, sound) << slot;
@@ -276,6 +278,7 @@ TEST(SensationRun, WarnsOnceOfPlacesThatAreOfNoUse) {
   const std::string told = test::stderr_of([&] { playing.run(far); });
   EXPECT_CONTAINS(told, "lies behind the array");
   EXPECT_CONTAINS(told, "farther than 100 m from the array: it is silent there");
+  EXPECT_EQ(playing.control.newest(1).at(0).gain, 0);
 }
 
 }  // namespace

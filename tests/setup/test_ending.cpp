@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <string>
 #include <thread>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "setup/process/program.hpp"
 
 namespace palpa::setup {
@@ -55,6 +57,32 @@ TEST(Ending, AProgramThatEndsTooLateIsNoSuccessAndHasOneLine) {
   EXPECT_EQ(run([] { throw bad_usage("the only line"); }), std::pair(2, std::string("palpa: error: the only line\n")));
   EXPECT_FALSE(decide_ending(Exit::failed)) << "the watch comes too late";
   EXPECT_EQ(run([] {}), std::pair(0, std::string()));
+}
+
+/// The watch for signals ends the process as soon as the line is out, and after its patience where nobody reads it.
+TEST(Ending, ItsLineIsOutBeforeTheProcessEnds) {
+  constexpr std::chrono::seconds long_enough{100};
+  const auto in_time = [](std::chrono::milliseconds most) {
+    const auto begin = std::chrono::steady_clock::now();
+    wait_for_line(most);
+    return std::chrono::steady_clock::now() - begin < most;
+  };
+  for (int round = 0; round < 20; ++round) {
+    begin_ending();
+    EXPECT_FALSE(in_time(std::chrono::milliseconds(1))) << "nothing is decided";
+    EXPECT_TRUE(decide_ending(Exit::failed));
+    EXPECT_FALSE(in_time(std::chrono::milliseconds(1))) << "it is not written";
+    testing::internal::CaptureStderr();
+    const log::Relay relay;
+    std::thread teller([] { tell_ending("the only line"); });
+    EXPECT_TRUE(in_time(long_enough));
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpa: error: the only line\n");
+    EXPECT_TRUE(in_time(long_enough)) << "again";
+    teller.join();
+  }
+  begin_ending();
+  decide_ending(Exit::ok);
+  EXPECT_TRUE(in_time(long_enough)) << "a success has no line";
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "study/analysis.hpp"
 #include "study/files/study_folder.hpp"
-#include "study/report/analysis_reports.hpp"
+#include "study/report/reports.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"

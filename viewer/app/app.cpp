@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "base/error.hpp"
@@ -24,13 +23,6 @@ constexpr double silence_check_s = 0.1;  ///< the strip notices silence this soo
 constexpr double tend_s = 1;             ///< a live run is looked after at least this often, see LiveSession::look
 constexpr double quit_again_s = 2;       ///< while the array sounds, a second press within this time quits
 constexpr double above_object_m = 0.03;  ///< where a held finger has room
-
-/// Keys that repeat while they are held down. Any other key would switch something on and off again and again.
-bool goes_on(const WindowEvent& event) {
-  constexpr std::string_view characters = ",.-+=z";
-  return event.key == Key::left || event.key == Key::right ||
-         characters.find(character_of(event.key)) != std::string_view::npos;
-}
 
 /// The event with its place counted from the area's top left.
 WindowEvent in_area(WindowEvent event, const Area& area) {
@@ -138,6 +130,7 @@ Sight App::sight(const Size& size) const {
 
 void App::handle(const WindowEvent& event, const Size& whole_size) {
   if (event.kind == WindowEvent::Kind::damage) stale_.redraw();
+  if (host_.guide && host_.guide->takes(event, content_.run())) return stale_.redraw();
   if (event.kind == WindowEvent::Kind::drop) return content_.open(event.text);
   const bool press = event.kind == WindowEvent::Kind::press;
   const auto here = [&](const Area& area) { return area.holds(event.x, event.y); };
@@ -278,6 +271,7 @@ void App::advance(double now_s, const Size& whole_size) {
   do_asked(size);
   if (data_.content.live && !was_live) data_.state.time.playing = true;
   if (session()) advance_run(size);
+  if (host_.guide && host_.guide->advance(content_.run(), data_)) quitting_ = true;
   content_.update_status();
   content_.watch_scene(now_s);
   advance_slots();
@@ -487,7 +481,9 @@ void App::show_marks(const Size& size) {
   data_.marks.clear();
   data_.depths.clear();
   if (data_.content.live) data_.marks = data_.placing->marks(seen);
-  if (const std::shared_ptr<const LiveScene>& scene = content_.run().control().scene())
+  const std::shared_ptr<const LiveScene>& scene = content_.run().control().scene();
+  if (host_.guide) host_.guide->mark(seen, data_.marks);
+  if (scene && !host_.guide)
     show_depths(session()->snapshot().touch, scene->solid_names, seen, data_.depths, data_.marks);
   if (data_.reading) show_reading(*data_.reading, seen, data_.marks);
   const Area area = picture_area(size);

@@ -14,6 +14,7 @@
 #include "viewer/app/content_control.hpp"
 #include "viewer/app/participant_control.hpp"
 #include "viewer/app/slice_placer.hpp"
+#include "viewer/app/touch_guide.hpp"
 #include "viewer/hands/controls.hpp"
 #include "viewer/options/preferences.hpp"
 #include "viewer/panels/ui.hpp"
@@ -24,6 +25,7 @@ namespace palpa::viewer {
 /// What the application needs from its caller.
 struct AppHost {
   LiveSession::Kinds kinds;
+  TouchGuide* guide = nullptr;  ///< of a person who is guided through the run; it takes keys, and ends the run
   /// Ends a live run, see LiveSession. It may also be set from outside. Never null, because a touch may become a live
   /// run.
   std::atomic<bool>* stop = nullptr;

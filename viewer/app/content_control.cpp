@@ -98,6 +98,7 @@ Sounding ContentControl::sounding(std::optional<std::uint64_t> slot) {
 
 std::string ContentControl::title() const {
   const std::string name = fs::path(content_->edit.options().scene).filename().string();
+  if (options_.guided) return "cameras by touch";
   if (content_->live) return fmt::format("{}, live ({})", name, content_->edit.options().source);
   if (content_->empty) return "";
   if (!options_.sensation.empty() && name.empty()) return options_.sensation;

@@ -1,6 +1,7 @@
 #include "viewer/app/keys.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace palpa::viewer {
 namespace {
@@ -17,6 +18,12 @@ void play_or_pause(PanelData& data) {
 }
 
 }  // namespace
+
+bool goes_on(const WindowEvent& event) {
+  constexpr std::string_view characters = ",.-+=z";
+  return event.key == Key::left || event.key == Key::right ||
+         characters.find(character_of(event.key)) != std::string_view::npos;
+}
 
 bool ask_by_key(const WindowEvent& event, PanelData& data) {
   double& slots_per_s = data.state.time.slots_per_s;

@@ -1,12 +1,14 @@
 #include "viewer/app/shown_touch.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
-#include <optional>
 #include <utility>
 
+#include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "geometry/files/ply.hpp"
@@ -16,7 +18,8 @@
 #include "setup/options/warnings.hpp"
 #include "setup/process/progress.hpp"
 #include "setup/sessions/load.hpp"
-#include "setup/sessions/nearest_skin.hpp"
+#include "setup/sessions/near_skin.hpp"
+#include "setup/sessions/play.hpp"
 #include "setup/sessions/touch_run.hpp"
 #include "setup/sessions/touch_schedule.hpp"
 #include "touch/fingers/sight.hpp"
@@ -25,17 +28,68 @@
 namespace palpa::viewer {
 namespace {
 
+/// The focus leaves a trail as long as one turn of the fastest brush, at most.
+constexpr std::uint64_t trail = 16;
+
+sensation::PatternSensation loaded(const std::string& name, std::span<const std::string> parameters) {
+  sensation::Pattern pattern = setup::load_sensation(name);
+  const auto given = setup::parameters_of(parameters, pattern);
+  return sensation::PatternSensation(std::move(pattern), given);
+}
+
 std::vector<sensing::SkinPoint> points_near(const setup::TouchInput& input, std::span<const geometry::Solid> solids) {
   if (input.cameras.empty()) return input.points;
   Box box;
   for (const geometry::Solid& solid : solids) {
-    box.add(solid.bounds.low - Vec3(shown_skin_m));
-    box.add(solid.bounds.high + Vec3(shown_skin_m));
+    box.add(solid.bounds.low - Vec3(setup::near_skin_m));
+    box.add(solid.bounds.high + Vec3(setup::near_skin_m));
   }
   return sensing::find_skin(input.cameras, input.frames, box);
 }
 
 }  // namespace
+
+ShownSensation::ShownSensation(const std::string& name, std::span<const std::string> parameters,
+                               const array::Layout& layout, const Transform& T_world_array)
+    : name_(std::filesystem::path(name).stem().string()),
+      sensation_(loaded(name, parameters)),
+      slot_s_(setup::usual_slot(setup::playable(sensation_.fastest_hz(), name), 1 / layout.frequency_hz)),
+      T_world_array_(T_world_array),
+      watch_(layout) {}
+
+void ShownSensation::evaluate(std::uint64_t slot) {
+  std::vector<double> times;
+  for (std::uint64_t s = points_.size(); s <= slot && s < setup::most_offline_slots && !whole_; ++s)
+    times.push_back(static_cast<double>(s) * slot_s_);
+  const auto known = static_cast<std::ptrdiff_t>(points_.size());
+  sensation_.points(times, state_, points_);
+  const auto stop = std::ranges::find(points_.begin() + known, points_.end(), true, &sensation::Point::stop);
+  whole_ = whole_ || stop != points_.end() || points_.size() >= setup::most_offline_slots;
+  points_.erase(stop, points_.end());
+  for (auto point = points_.begin() + std::min(known, std::ssize(points_)); point != points_.end(); ++point) {
+    if (point->gain > 0 && !watch_.sounds(transform_point(T_world_array_, point->place_m))) point->gain = 0;
+  }
+  watch_.look();
+  if (points_.empty()) points_.emplace_back();
+}
+
+array::SlotFocus ShownSensation::show(Picture& picture, std::uint64_t slot) {
+  evaluate(slot);
+  const std::uint64_t now = slot % points_.size();
+  FingerMarks marks;
+  for (std::uint64_t s = now - std::min(now, trail - 1); s <= now; ++s) {
+    if (points_[s].gain == 0 && s != now) continue;
+    const auto place = glm::vec3(transform_point(T_world_array_, points_[s].place_m));
+    marks.foci.push_back({place, static_cast<std::uint32_t>(s), points_[s].gain > 0});
+  }
+  const sensation::Point& point = points_[now];
+  if (point.gain > 0) marks.running = static_cast<std::uint32_t>(marks.foci.size() - 1);
+  marks.sensation =
+      fmt::format("{}: {:.4f} s, intensity {:.2f}", name_, static_cast<double>(now) * slot_s_, point.gain);
+  picture.fingers = {std::move(marks)};
+  const Vec3 place = transform_point(T_world_array_, point.place_m);
+  return {.position = point.gain > 0 ? place : Vec3(0), .gain = static_cast<float>(point.gain)};
+}
 
 ShownTouch::ShownTouch(const ViewerOptions& options)
     : layout_(std::make_shared<const array::Layout>()),
@@ -91,7 +145,7 @@ void ShownTouch::show_skin(const setup::TouchInput& input, std::span<const geome
   for (const sensing::SkinPoint& point : flying)
     picture_.dropped_points.push_back(point.position);
   picture_.dropped_count = flying.size();
-  picture_.skin_count = input.point_count - flying.size();
+  picture_.skin_count = picture_.skin_points.size() + picture_.contacts.size();
   if (!picture_.fingers.empty()) return;
   const auto nearest = setup::nearest_skin(solids, input);
   picture_.untouched = why_untouched(
@@ -142,9 +196,10 @@ void ShownTouch::load_skin_surface(const ViewerOptions& options) {
 
 void ShownTouch::load_array(const ViewerOptions& options) {
   if (!options.sensation.empty()) {
-    setup::PlacedLayout placed = setup::load_placed_layout({.layout = options.layout});
-    sensation_.emplace(options.sensation, options.parameters, 1 / placed.layout.frequency_hz, placed.T_world_layout);
-    return take_array(placed.layout, placed.T_world_layout);
+    const setup::PlacedLayout placed = setup::load_placed_layout({.layout = options.layout});
+    take_array(placed.layout, placed.T_world_layout);
+    sensation_.emplace(options.sensation, options.parameters, *layout_, placed.T_world_layout);
+    return;
   }
   std::string name = options.layout;
   std::optional<Transform> pose;

@@ -5,18 +5,46 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "array/drive.hpp"
 #include "array/schedule.hpp"
+#include "base/math.hpp"
+#include "sensation/played.hpp"
+#include "session/sensation_run.hpp"
 #include "session/session.hpp"
-#include "viewer/app/shown_sensation.hpp"
 #include "viewer/options/viewer_options.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/sound/field_slice.hpp"
 #include "viewer/sound/sounding.hpp"
 
 namespace palpa::viewer {
+
+/// A sensation as a picture, slot by slot: where the focus is, and where it was last.
+class ShownSensation {
+ public:
+  /// `name` is a file or one of palpa's own. The array, which stands in the world, has this pose. Throws as palpa play.
+  ShownSensation(const std::string& name, std::span<const std::string> parameters, const array::Layout& layout,
+                 const Transform& T_world_array);
+
+  double slot_s() const { return slot_s_; }
+  /// Shows the slot, and returns its focus in the world. After a stop, or setup::most_offline_slots, it begins again.
+  array::SlotFocus show(Picture& picture, std::uint64_t slot);
+
+ private:
+  void evaluate(std::uint64_t slot);
+
+  std::string name_;
+  sensation::PatternSensation sensation_;
+  double slot_s_;
+  Transform T_world_array_;
+  session::PlaceWatch watch_;
+  sensation::State state_ = sensation::State::at(0);
+  std::vector<sensation::Point> points_;  ///< of the slots so far
+  bool whole_ = false;                    ///< there are no others
+};
 
 class ShownTouch {
  public:

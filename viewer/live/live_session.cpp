@@ -4,19 +4,13 @@
 
 #include <algorithm>
 #include <exception>
-#include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/files/output_file.hpp"
-#include "base/files/outputs.hpp"
 #include "base/log.hpp"
 #include "base/system/start_thread.hpp"
-#include "sensing/joints/capsules.hpp"
-#include "sensing/skin_twin.hpp"
 #include "session/threads.hpp"
-#include "touch/contacts/prepared_solids.hpp"
 #include "viewer/picture/flying.hpp"
 
 namespace palpa::viewer {
@@ -27,14 +21,6 @@ constexpr std::uint64_t first_snapshots = 10;
 
 /// About how long finding the skin takes, and how long that may wait for the run.
 constexpr double skin_s = 3e-3, most_wait_s = 0.05;
-
-/// The box around the given box after the pose has moved it.
-Box moved_box(const Box& box, const Transform& pose) {
-  Box out;
-  for (const Vec3& corner : box.corners())
-    out.add(transform_point(pose, corner));
-  return out;
-}
 
 }  // namespace
 
@@ -47,6 +33,7 @@ LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bo
       wake_(std::move(wake)),
       patience_(patience) {
   options_.watched = true;
+  if (kinds_.method) options_.own_method = kinds_.method;
   options_.safety.ceiling_now = &ceiling_;
   ++under_way_;
   try {
@@ -119,12 +106,9 @@ void LiveSession::publish_scene(setup::LiveRun& run) {
   scene->drive = run.session().setting().drive;
   scene->air = setup::air(options_.drive.medium, {});
   scene->spot_m = run.session().setting().schedule.spot_m;
-  for (const geometry::Solid& solid : run.session().solids())
-    boxes_.push_back(solid.bounds);
-  rays_ = sensing::make_rays(scene->cameras);
-  sight_ = touch::sight_cameras(scene->cameras, rays_);
-  surroundings_ = session::surroundings_of(run.session().setting());
-  look_around(scene->cameras);
+  near_.emplace(run.session().setting());
+  sight_ = touch::sight_cameras(run.session().setting().cameras, near_->rays());
+  look_around();
   const std::lock_guard lock(mutex_);
   scene_ = std::move(scene);
 }
@@ -210,24 +194,14 @@ std::map<std::uint32_t, Transform> LiveSession::take_moved() {
 }
 
 // On the recorder's thread, or before there is one.
-void LiveSession::look_around(const std::vector<sensing::Camera>& cameras) {
+void LiveSession::look_around() {
   std::vector<Transform> poses;
   {
     const std::lock_guard lock(mutex_);
     looked_around_ = placements_;
     poses = poses_;
   }
-  near_poses_ = std::move(poses);
-  near_ = {};
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const Box here = i < near_poses_.size() ? moved_box(boxes_[i], near_poses_[i]) : boxes_[i];
-    if (glm::any(glm::greaterThan(glm::abs(here.centre()), Vec3(touch::out_of_reach_m)))) continue;
-    near_.add(here.low - Vec3(shown_skin_m));
-    near_.add(here.high + Vec3(shown_skin_m));
-  }
-  if (near_.empty()) near_.add(Vec3(0));
-  sensing::plan_crops(cameras, rays_, near_, crops_);
-  sensing::plan_drops(surroundings_, near_, volumes_);
+  near_->place(std::move(poses));
 }
 
 std::string LiveSession::fault() const {
@@ -310,22 +284,15 @@ void LiveSession::saw(const sensing::FrameSet& set) {
   write_down(set);
   if (!wants_seen_.exchange(false)) return;
   if (!recorder_ && options_.record.empty() && !options_.every_frame) gaps_.wait(skin_s, most_wait_s);
-  if (looked_around_ != placements_) look_around(session_->setting().cameras);
+  if (looked_around_ != placements_) look_around();
   Seen& next = seen_.back();
   next.sequence = set.sequence;
   next.images = set;
   next.skin.wants_leavings = true;
-  if (set.tracked) {
-    sensing::sample_skin(set.capsules, near_, next.skin.points);
-  } else {
-    sensing::find_skin(rays_, set.frames, near_, crops_, volumes_, next.skin);
-    part_flying({sight_, rays_, set.frames}, next.skin.points, next.skin.leavings);
-  }
+  near_->find(set, next.skin);
+  if (!set.frames.empty()) part_flying({sight_, near_->rays(), set.frames}, next.skin.points, next.skin.leavings);
   next.untouched.clear();
-  if (!touches_) {
-    if (!nearest_) nearest_.emplace(scene()->picture.solids);
-    next.untouched = nearest_->tell(next.skin.points, near_poses_);
-  }
+  if (!touches_) next.untouched = setup::why_untouched(near_->nearest(next.skin.points), session_->solids());
   seen_.publish();
   wake_();
 }

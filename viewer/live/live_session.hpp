@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -11,26 +12,41 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "acoustics/air.hpp"
 #include "base/files/outputs.hpp"
-#include "sensing/rays.hpp"
 #include "sensing/recording.hpp"
-#include "sensing/surroundings.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
+#include "session/watch/sound_watch.hpp"
 #include "setup/sessions/live_run.hpp"
+#include "setup/sessions/near_skin.hpp"
 #include "touch/fingers/sight.hpp"
 #include "viewer/live/frame_gaps.hpp"
-#include "viewer/live/link_watch.hpp"
-#include "viewer/live/nearest_seen.hpp"
 #include "viewer/live/snapshot.hpp"
 #include "viewer/picture/picture.hpp"
 
 namespace palpa::viewer {
+
+/// What a session's link was given, and whether it sounds. Written by the session's threads, read by the window's
+/// thread.
+struct LinkWatch {
+  std::atomic<std::uint64_t> drives{0}, silent{0};
+  session::SoundWatch sound;
+
+  /// One more drive has left.
+  void count(bool sounds, const session::HandOver& counts) {
+    sound.sent(sounds, counts.behind);
+    ++drives;
+    silent += sounds ? 0 : 1;
+  }
+  /// Nothing leaves any more.
+  void close() { sound.close(); }
+};
 
 /// What a session uses, once it is loaded.
 struct LiveScene {
@@ -65,6 +81,7 @@ class LiveSession final : session::RunObserver {
   struct Kinds {
     std::vector<session::SourceKind> sources;
     std::vector<session::LinkKind> links;
+    session::OwnMethod method{};  ///< places the foci of every session, instead of --method
   };
 
   /// Begins to load and then runs. Any thread may set `stop` to end the run. `wake` is called from other threads when
@@ -151,7 +168,7 @@ class LiveSession final : session::RunObserver {
   void write_down(const sensing::FrameSet& set);
   void close_recorder();
   void follow_poses(session::Session& session);
-  void look_around(const std::vector<sensing::Camera>& cameras);
+  void look_around();
 
   inline static std::atomic<int> under_way_{0};
   setup::LiveOptions options_;
@@ -177,16 +194,9 @@ class LiveSession final : session::RunObserver {
   std::optional<std::uint64_t> last_sequence_;
   Clock::time_point last_frame_{};
   // For the recorder's thread; made before it begins.
-  std::vector<Box> boxes_;  ///< of the solids at rest
   std::uint64_t looked_around_ = 0;
-  Box near_;  ///< where skin is drawn
-  sensing::RayTables rays_;
+  std::optional<setup::NearSkin> near_;
   std::vector<touch::SightCamera> sight_;
-  std::optional<NearestSeen> nearest_;
-  std::vector<Transform> near_poses_;  ///< of the solids when it last looked around
-  std::vector<sensing::Crop> crops_;
-  sensing::Surroundings surroundings_;
-  std::vector<shader::SkinVolume> volumes_;
   bool modest_ = false;
   std::optional<Outputs> record_outputs_;  ///< what the recorder writes
   std::optional<sensing::RecordingWriter> recorder_;

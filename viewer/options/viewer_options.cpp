@@ -446,10 +446,10 @@ Box home_of(const ViewerOptions& o, const Picture& picture, const ViewState& sta
 
 Viewpoint first_viewpoint(const ViewerOptions& o, const Picture& picture, const ViewState& state, const Size& size) {
   const double ratio = o.pixel_ratio.value_or(1);
-  Viewpoint viewpoint;
-  viewpoint.orthographic = o.orthographic;
+  Viewpoint viewpoint{.orthographic = o.orthographic};
   if (o.inset && !picture.fingers.empty()) viewpoint.covered_right = inset_share;
   if (state.layers.shows(Layer::legend)) viewpoint.covered_left = chart_share(picture, size.width, size.height, ratio);
+  if (o.guided) viewpoint.covered_left = guidance_share;
   viewpoint.covered_below = bars_share(picture, state.layers, size.width, size.height, ratio);
   if (!o.eye.empty()) {
     look(viewpoint, point("--eye", o.eye), o.target.empty() ? Vec3(0) : point("--target", o.target));
@@ -481,7 +481,7 @@ namespace {
 /// Whether the picture has a close-up of the touch. A live run has one without --inset if the touch is small in it.
 bool wants_close_up(const ViewerOptions& o, const Viewpoint& viewpoint, const Picture& picture, const Size& size) {
   constexpr double small = 0.2;  // of the picture's height
-  if (picture.fingers.empty() || o.inset || !o.is_live()) return o.inset && !picture.fingers.empty();
+  if (picture.fingers.empty() || o.inset || o.guided || !o.is_live()) return o.inset && !picture.fingers.empty();
   const Box touch = extent(picture, Extent::touch);
   return glm::length(touch.high - touch.low) < small * size.height * metres_per_pixel(viewpoint, size.height);
 }

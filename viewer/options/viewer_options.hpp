@@ -71,7 +71,11 @@ struct ViewerOptions : setup::EyesOptions {
   std::optional<double> threshold;
   std::string interact;
   bool panels = false, no_panels = false;
+  bool guided = false;  ///< through a task: a sheet says what to do, and no close-up shows what touches
 };
+
+/// The part of a picture that the sheet of a guided task covers, from the left.
+inline constexpr double guidance_share = 0.36;
 
 /// Puts every option on `app`.
 void add_options(CLI::App& app, ViewerOptions& options);

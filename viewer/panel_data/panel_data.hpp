@@ -13,6 +13,7 @@
 #include "viewer/hands/placing.hpp"
 #include "viewer/panel_data/content.hpp"
 #include "viewer/panel_data/file_list.hpp"
+#include "viewer/panel_data/guidance.hpp"
 #include "viewer/panel_data/messages.hpp"
 #include "viewer/picture/picture.hpp"
 #include "viewer/render/participant.hpp"
@@ -53,6 +54,7 @@ struct PanelData {
   std::optional<Reading> reading;
   std::vector<Depth> depths;                 ///< of the fingers of a live run
   std::vector<FlatMark> marks;               ///< over the picture
+  std::optional<Guidance> guidance;          ///< of a task through which the user is guided
   std::vector<acoustics::Spectrum> spectra;  ///< of each finger, while wanted
   std::vector<NamedFile> objects, rigs;      ///< palpa's own
   std::vector<std::string> layouts;          ///< built-in

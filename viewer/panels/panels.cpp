@@ -92,6 +92,7 @@ void draw_panels(PanelData& data) {
     ImGui::End();
   }
   if (data.content.empty) draw_welcome(data);
+  draw_guidance(data);
   draw_toasts(data);
   if (data.content.opening) draw_opening(data);
   if (data.help) draw_key_sheet(data);

@@ -29,6 +29,7 @@ void draw_log_panel(const PanelData& data);
 // These are drawn over the picture.
 /// `free`: the part of the window in which labels must stay.
 void draw_marks(const std::vector<FlatMark>& marks, const Area& free);
+void draw_guidance(PanelData& data);
 void draw_toasts(const PanelData& data);
 void draw_opening(PanelData& data);
 /// The share of the free area's width, from the right, that it covers; 0 if it covers the middle because there is no

@@ -126,7 +126,7 @@ struct ImageMark {
 struct PictureNotes {
   std::string title;                ///< above the legend, may be empty
   std::string untouched;            ///< why nothing touches; empty if something does, or if nobody looked
-  std::uint64_t skin_count = 0;     ///< all skin points, including contacts and distant ones
+  std::uint64_t skin_count = 0;     ///< those near the solids, including contacts; of a file, all
   std::uint64_t dropped_count = 0;  ///< points near the solids that are no skin, or float beside it
   std::vector<ContactMark> contacts;
   std::vector<FingerMarks> fingers;
@@ -151,9 +151,6 @@ struct Picture : PictureNotes {
   /// Whether slots look different from each other.
   bool changes() const;
 };
-
-/// Depth images show far more than the hand, so only skin this near to the solids is drawn.
-inline constexpr double shown_skin_m = 0.12;
 
 // These fill a picture from the engine's values. Each replaces only its own part.
 

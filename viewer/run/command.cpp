@@ -30,7 +30,8 @@ line::HelpText help_text() {
           "               --headless --screenshot touch.png",
       .notes =
           "With --source, it shows a live run, as palpa run does without a picture. In the window, H shows what mouse "
-          "and keys do, and O switches the array off. docs/viewer.md has the rest. Exit codes: 0 done, 1 failed, 2 "
+          "and keys do, and O switches the array off. docs/viewer.md has the rest. palpa-viewer --by-touch --help: the "
+          "window of a calibration. Exit codes: 0 done, 1 failed, 2 "
           "wrong usage, 3 no usable Vulkan device or display, 4 bad or missing input."};
 }
 
@@ -75,7 +76,7 @@ std::optional<ViewerOptions> read_line(int argc, const char* const* argv) {
 void run_without_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   if (const auto settings = preferences_file()) warn_of_preferences(*settings);
   if (options.is_live() || !options.interact.empty()) {
-    run_scripted(options, kinds);
+    run_scripted(options, kinds, nullptr);
   } else {
     run_headless(options);
   }

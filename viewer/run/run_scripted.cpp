@@ -197,7 +197,7 @@ void play(App& app, Easel& easel, Script script, const std::function<double()>& 
 
 }  // namespace
 
-void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
+void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds, TouchGuide* guide) {
   Script script(options);
   const Outputs outputs(outputs_of(options, script, kinds));
   refuse_outputs_as_inputs(options);
@@ -207,6 +207,7 @@ void run_scripted(const ViewerOptions& options, const LiveSession::Kinds& kinds)
   DrawingThreads threads;
   App app(options, picture_size(options),
           {.kinds = kinds,
+           .guide = guide,
            .stop = &stopper.flag(),
            .goes_live =
                [&] {

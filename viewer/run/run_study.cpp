@@ -242,7 +242,7 @@ bool complete(const study::StudyPlan& plan, const setup::StudyRunOptions& option
 /// Ends the program at once, without waiting for a device. The watch for signals may have decided how; then it has
 /// printed its line.
 [[noreturn]] void leave_at_once(const std::string& line, std::optional<log::Relay>& relay) {
-  if (setup::decide_ending(Exit::failed)) log::error(line);
+  if (setup::decide_ending(Exit::failed)) setup::tell_ending(line);
   relay.reset();
   ::_exit(static_cast<int>(setup::ending()));
 }

@@ -211,7 +211,7 @@ class WindowPictures {
 
 }  // namespace
 
-void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
+void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds, TouchGuide* guide) {
   const Size size = picture_size(options);
   Script script(options);
   if (const auto settings = preferences_file()) add_own_file(*settings);  // before an output can be declared
@@ -230,6 +230,7 @@ void run_window(const ViewerOptions& options, const LiveSession::Kinds& kinds) {
   DrawingThreads threads;
   App app(options, size,
           {.kinds = kinds,
+           .guide = guide,
            .stop = &stopper.flag(),
            .wake = Window::wake,
            .copy = [&](const std::string& text) { window.set_clipboard(text); },

@@ -59,7 +59,7 @@ void Stopper::end(App& app) {
   if (over && !at_once) return rethrow();
   // The watch for signals may have decided first; then it has printed its line.
   const auto fails = [](Exit code, const char* line) {
-    if (setup::decide_ending(code)) log::error(line);
+    if (setup::decide_ending(code)) setup::tell_ending(line);
   };
   if (cut) {
     fails(Exit::failed, too_early);

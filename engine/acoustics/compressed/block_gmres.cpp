@@ -3,16 +3,125 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "acoustics/compressed/band_least_squares.hpp"
 #include "base/activity.hpp"
 #include "base/system/parallel.hpp"
 
 namespace palpa::acoustics {
 namespace {
+
+/// Least squares for a matrix that grows by columns, each with more rows than the last: the x_j that minimise
+/// |H x_j - g_j|, by Householder's reflections of the columns of H.
+class BandLeastSquares {
+ public:
+  using Number = std::complex<double>;
+
+  /// The right-hand sides g; missing entries are zero.
+  explicit BandLeastSquares(std::vector<std::vector<Number>> rights);
+
+  /// A further column of H; it has at least as many entries as there are columns. Missing entries are zero.
+  void add(std::vector<Number> column);
+
+  std::size_t columns() const { return columns_.size(); }
+  /// |H x_j - g_j| of the best x_j.
+  std::vector<double> residuals() const;
+  /// The best x_j: entry [column * right-hand sides + j]. Columns that, in single
+  /// precision, depend on those before get zero.
+  std::vector<Number> solve() const;
+
+ private:
+  /// I - 2 v v^H, where v begins at this row.
+  struct Reflection {
+    std::size_t row;
+    std::vector<Number> v;
+    void apply(std::vector<Number>& to) const;
+  };
+
+  std::vector<std::vector<Number>> rights_, columns_;
+  std::vector<Reflection> reflections_;
+};
+
+/// A diagonal entry below this part of the largest one is rounding: the columns come from vectors in single precision.
+constexpr double dependent_column = 1e-5;
+
+BandLeastSquares::BandLeastSquares(std::vector<std::vector<Number>> rights) : rights_(std::move(rights)) {}
+
+void BandLeastSquares::Reflection::apply(std::vector<Number>& to) const {
+  if (v.empty() || to.size() <= row) return;
+  if (to.size() < row + v.size()) to.resize(row + v.size());
+  Number along = 0;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    along += std::conj(v[i]) * to[row + i];
+  along *= 2;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    to[row + i] -= along * v[i];
+}
+
+void BandLeastSquares::add(std::vector<Number> column) {
+  const std::size_t row = columns_.size();
+  column.resize(std::max(column.size(), row + 1));
+  for (const Reflection& reflection : reflections_)
+    reflection.apply(column);
+  // Takes the part from `row` on to its first entry.
+  Reflection reflection{row, {column.begin() + static_cast<std::ptrdiff_t>(row), column.end()}};
+  const auto length = [](const std::vector<Number>& v) {
+    double sum = 0;
+    for (const Number& x : v)
+      sum += std::norm(x);
+    return std::sqrt(sum);
+  };
+  const double size = length(reflection.v), first = std::abs(column[row]);
+  const Number turn = first > 0 ? column[row] / first : 1.0;
+  reflection.v[0] += turn * size;
+  const double whole = length(reflection.v);
+  if (whole > 0) {
+    for (Number& x : reflection.v)
+      x /= whole;
+  } else {
+    reflection.v.clear();
+  }
+  reflection.apply(column);
+  for (std::vector<Number>& right : rights_) {
+    right.resize(std::max(right.size(), row + reflection.v.size()));
+    reflection.apply(right);
+  }
+  reflections_.push_back(std::move(reflection));
+  columns_.push_back(std::move(column));
+}
+
+std::vector<double> BandLeastSquares::residuals() const {
+  std::vector<double> left;
+  for (const std::vector<Number>& right : rights_) {
+    double sum = 0;
+    for (std::size_t i = columns_.size(); i < right.size(); ++i)
+      sum += std::norm(right[i]);
+    left.push_back(std::sqrt(sum));
+  }
+  return left;
+}
+
+std::vector<BandLeastSquares::Number> BandLeastSquares::solve() const {
+  const std::size_t size = columns_.size(), count = rights_.size();
+  double most = 0;
+  for (std::size_t c = 0; c < size; ++c)
+    most = std::max(most, std::abs(columns_[c][c]));
+  std::vector<Number> x(size * count);
+  for (std::size_t j = 0; j < count; ++j) {
+    std::vector<Number> right = rights_[j];
+    right.resize(std::max(right.size(), size));
+    for (std::size_t c = size; c-- > 0;) {
+      if (!(std::abs(columns_[c][c]) > dependent_column * most)) continue;
+      const Number value = right[c] / columns_[c][c];
+      x[c * count + j] = value;
+      for (std::size_t i = 0; i < c; ++i)
+        right[i] -= value * columns_[c][i];
+    }
+  }
+  return x;
+}
 
 using Complex = std::complex<double>;
 

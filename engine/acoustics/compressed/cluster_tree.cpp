@@ -112,6 +112,21 @@ ClusterTree cluster_tree(const Mesh& mesh, std::uint32_t leaf_size) {
   return Builder(mesh, leaf_size).take();
 }
 
+std::vector<Cluster> clusters_of(const ClusterTree& tree, std::uint32_t most) {
+  std::vector<Cluster> found;
+  std::vector<std::uint32_t> open{0};
+  while (!open.empty()) {
+    const Cluster& cluster = tree.clusters[open.back()];
+    open.pop_back();
+    if (cluster.leaf() || cluster.size() <= most) {
+      found.push_back(cluster);
+    } else {
+      open.insert(open.end(), {cluster.second, cluster.first});
+    }
+  }
+  return found;
+}
+
 std::vector<BlockPlace> block_places(const ClusterTree& tree, double reach) {
   std::vector<BlockPlace> places;
   add_places(tree, 0, 0, reach, places);

@@ -30,6 +30,9 @@ struct ClusterTree {
 /// Divides at the median along the longest axis of the vertices' box until a cluster has at most `leaf_size` vertices.
 ClusterTree cluster_tree(const geometry::Mesh& mesh, std::uint32_t leaf_size);
 
+/// The largest clusters of at most `most` vertices each, or leaves; in order.
+std::vector<Cluster> clusters_of(const ClusterTree& tree, std::uint32_t most);
+
 /// A block of the matrix: the cluster of its rows, the cluster of its columns, and whether these are so far from each
 /// other that the block can be compressed.
 struct BlockPlace {

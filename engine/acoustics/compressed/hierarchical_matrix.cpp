@@ -77,16 +77,8 @@ void HierarchicalMatrix::fill(const MatrixEntries& entries, double wave_number, 
 void HierarchicalMatrix::find_strips() {
   for (const bool rows : {true, false}) {
     std::vector<Strip>& strips = rows ? row_strips_ : column_strips_;
-    std::vector<std::uint32_t> open{0};
-    while (!open.empty()) {
-      const Cluster& cluster = tree_.clusters[open.back()];
-      open.pop_back();
-      if (cluster.leaf() || cluster.size() <= strip_size) {
-        strips.push_back({cluster.begin, cluster.end, {}});
-      } else {
-        open.insert(open.end(), {cluster.second, cluster.first});
-      }
-    }
+    for (const Cluster& cluster : clusters_of(tree_, strip_size))
+      strips.push_back({cluster.begin, cluster.end, {}});
     for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
       const Cluster& cluster = lines(blocks_[b], rows);
       for (auto strip = std::ranges::upper_bound(strips, cluster.begin, {}, &Strip::end);
@@ -168,16 +160,8 @@ void HierarchicalMatrix::multiply(Way way, const SplitVectors& x, std::size_t co
 
 std::vector<HierarchicalMatrix::Square> HierarchicalMatrix::squares(std::uint32_t most) const {
   std::vector<Square> found;
-  std::vector<std::uint32_t> open{0};
-  while (!open.empty()) {
-    const Cluster& cluster = tree_.clusters[open.back()];
-    open.pop_back();
-    if (cluster.leaf() || cluster.size() <= most) {
-      found.push_back({cluster.begin, cluster.end});
-    } else {
-      open.insert(open.end(), {cluster.second, cluster.first});
-    }
-  }
+  for (const Cluster& cluster : clusters_of(tree_, most))
+    found.push_back({cluster.begin, cluster.end});
   return found;
 }
 

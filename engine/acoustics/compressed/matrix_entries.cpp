@@ -75,28 +75,25 @@ void add_sums(const HatSums& sums, const ClusterPatches& patches, std::size_t gr
 
 }  // namespace
 
-void MatrixEntries::row(std::uint32_t place, const ClusterPatches& columns, SplitSpan out) const {
+void MatrixEntries::line(std::uint32_t place, const ClusterPatches& others, const HatKernel& kernel,
+                         SplitSpan out) const {
   thread_local std::vector<HatSample> hat;
   hat_at(place, hat);
-  std::fill_n(out.re, columns.size, 0.0F);
-  std::fill_n(out.im, columns.size, 0.0F);
+  std::fill_n(out.re, others.size, 0.0F);
+  std::fill_n(out.im, others.size, 0.0F);
   HatSums sums;
-  for (std::size_t group = 0; group < columns.groups.size(); ++group) {
-    hat_row(hat, columns.groups[group], wave_number_, sums);
-    add_sums(sums, columns, group, out);
+  for (std::size_t group = 0; group < others.groups.size(); ++group) {
+    kernel(hat, others.groups[group], wave_number_, sums);
+    add_sums(sums, others, group, out);
   }
 }
 
+void MatrixEntries::row(std::uint32_t place, const ClusterPatches& columns, SplitSpan out) const {
+  line(place, columns, hat_row, out);
+}
+
 void MatrixEntries::column(std::uint32_t place, const ClusterPatches& rows, SplitSpan out) const {
-  thread_local std::vector<HatSample> hat;
-  hat_at(place, hat);
-  std::fill_n(out.re, rows.size, 0.0F);
-  std::fill_n(out.im, rows.size, 0.0F);
-  HatSums sums;
-  for (std::size_t group = 0; group < rows.groups.size(); ++group) {
-    hat_column(hat, rows.groups[group], wave_number_, sums);
-    add_sums(sums, rows, group, out);
-  }
+  line(place, rows, hat_column, out);
 }
 
 void MatrixEntries::block(const ClusterPatches& rows, const ClusterPatches& columns, std::size_t stride,

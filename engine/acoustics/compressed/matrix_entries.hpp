@@ -46,6 +46,8 @@ class MatrixEntries {
   void block(const ClusterPatches& rows, const ClusterPatches& columns, std::size_t stride, std::span<float> out) const;
 
  private:
+  using HatKernel = decltype(hat_row);  // or hat_column
+  void line(std::uint32_t place, const ClusterPatches& others, const HatKernel& kernel, SplitSpan out) const;
   void hat_at(std::uint32_t place, std::vector<HatSample>& hat) const;
 
   const Patches& body_;

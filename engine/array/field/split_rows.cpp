@@ -9,7 +9,6 @@ namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-using Four [[gnu::vector_size(32)]] = double;
 
 /// One row's entries.
 struct Row {
@@ -18,16 +17,6 @@ struct Row {
 struct RowOut {
   double *re, *im;
 };
-
-[[gnu::always_inline]] inline Four four(const double* from) {
-  Four value;
-  std::memcpy(&value, from, sizeof(value));
-  return value;
-}
-[[gnu::always_inline]] inline double total(const Four& a, const Four& b) {
-  const Four sum = a + b;
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
 
 /// Sums of the products of real parts, of imaginary parts, and of the two mixed kinds.
 struct Products {
@@ -46,7 +35,7 @@ struct Products {
       ir[k] += a_im * b_re;
     }
   }
-  return {total(rr[0], rr[1]), total(ii[0], ii[1]), total(ri[0], ri[1]), total(ir[0], ir[1])};
+  return {total(rr[0] + rr[1]), total(ii[0] + ii[1]), total(ri[0] + ri[1]), total(ir[0] + ir[1])};
 }
 
 /// `sign` 1: adds the row; -1: its conjugate.

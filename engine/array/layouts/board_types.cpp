@@ -1,13 +1,16 @@
 #include "array/layouts/board_types.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
 namespace palpa::array {
 namespace {
+
+/// A few roundings of a float: a step times a factor of 1 must remain that step.
+constexpr float rounding = 1 + 5e-7f;
 
 // AUTD3: 18 x 14 places at 10.16 mm, three of them occupied by screws and the connector; index along x first.
 constexpr int autd3_columns = 18;
@@ -104,6 +107,33 @@ std::uint32_t sonicsurface_turn(std::uint32_t transducer) {
   return turns[transducer % count];
 }
 
+/// The units' silencer: phases change during the slot, and amplitudes in 0.25 ms.
+Changes autd3_changes(const ChangeSetting& setting) {
+  constexpr std::uint32_t most_phase_steps = 255, most_amplitude_steps = 10;
+  return {.phase_steps = std::min(setting.periods(), most_phase_steps),
+          .amplitude_steps = std::min(setting.periods(), most_amplitude_steps),
+          .silence_jumps = false};
+}
+
+/// Frames of 0.1 ms, or of half a slot if that is shorter, during the slot except for its last frame.
+Changes openmpd_changes(const ChangeSetting& setting) {
+  constexpr std::uint32_t usual_periods = 4;
+  constexpr double most_steps = 14;                      // silence waits for them
+  constexpr double bus_frames_per_s = 40e6 / (2 * 256);  // of all its boards
+  const std::uint32_t periods = std::clamp(setting.periods() / 2, 1U, usual_periods);
+  const double room = std::max(setting.periods() / periods, 2U) - 1;
+  const double carried = std::floor(bus_frames_per_s / static_cast<double>(setting.boards_of_bus) * setting.slot_s);
+  const auto steps = static_cast<std::uint32_t>(std::max(1.0, std::min({room, carried, most_steps})));
+  return {.step_periods = periods, .phase_steps = steps, .amplitude_steps = steps};
+}
+
+/// A phase is a byte, and so are the beginning and the end of a frame; the boards' actual speed at 230400 baud.
+double sonicsurface_moving_slot_s(std::size_t boards) {
+  constexpr double byte_s = 10 / 227556.0;
+  constexpr std::size_t phases = 256;
+  return byte_s * static_cast<double>(boards == 1 ? phases + 2 : boards * (phases + 2) + 1);
+}
+
 constexpr BoardType types[] = {
     {.name = "autd3",
      .title = "AUTD3",
@@ -114,6 +144,8 @@ constexpr BoardType types[] = {
      .phase_steps = 256,
      .null_depth = 0.00224,
      .amplitudes = autd3_amplitudes,
+     .changes = autd3_changes,
+     .modulation_slot_s = 0.25e-3,
      .link_words = "a server's host and port"},
     {.name = "openmpd",
      .title = "OpenMPD",
@@ -126,6 +158,9 @@ constexpr BoardType types[] = {
      .amplitudes = openmpd_amplitudes,
      .few_amplitudes = 0.25,
      .follower_lag = 0.762,
+     .changes = openmpd_changes,
+     .may_jump = true,
+     .still_slot_s = 0.3e-3,
      .link_words = "serial numbers"},
     {.name = "sonicsurface",
      .title = "SonicSurface",
@@ -137,10 +172,40 @@ constexpr BoardType types[] = {
      .null_depth = 0.0126,
      .turn = sonicsurface_turn,
      .follower_lag = 16.5 / 32,
+     .moving_slot_s = sonicsurface_moving_slot_s,
      .link_words = "a serial port"},
 };
 
 }  // namespace
+
+AmplitudeSteps::AmplitudeSteps(const std::vector<Step>& steps) {
+  for (const Step& step : steps) {
+    levels_.push_back(static_cast<float>(step.level));
+    codes_.push_back(step.code);
+  }
+  assert(levels_.size() > 1 && levels_.size() <= 256 && levels_.front() == 0 && levels_.back() == 1);
+  std::size_t number = 0;
+  for (std::size_t i = 0; i <= entries; ++i) {
+    while (number + 1 < levels_.size() && levels_[number + 1] * entries <= static_cast<float>(i))
+      ++number;
+    below_[i] = static_cast<std::uint8_t>(number);
+  }
+}
+
+std::size_t AmplitudeSteps::below(float amplitude) const {
+  if (!(amplitude > 0)) return 0;
+  const float wanted = std::min(amplitude * rounding, 1.0f);
+  std::size_t number = below_[static_cast<std::size_t>(wanted * entries)];
+  while (number + 1 < levels_.size() && levels_[number + 1] <= wanted)
+    ++number;
+  return number;
+}
+
+std::size_t AmplitudeSteps::nearest(float amplitude, std::size_t most) const {
+  const std::size_t number = below(amplitude);
+  if (number >= most) return most;
+  return amplitude - levels_[number] > levels_[number + 1] - amplitude ? number + 1 : number;
+}
 
 std::span<const BoardType> board_types() {
   return types;

@@ -4,10 +4,51 @@
 #include <cassert>
 #include <cmath>
 
+#include "array/solvers/complex_system.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {
+
+/// Solves the system of the foci in `takes` in place, for both right-hand sides; the others get 0. `more` is added to
+/// the diagonal.
+void solve(std::span<const double> growth, std::span<const std::uint8_t> takes, double more, ShareScratch& scratch) {
+  const std::size_t foci = takes.size();
+  double trace = 0, count = 0;
+  for (std::size_t j = 0; j < foci; ++j) {
+    if (!takes[j]) continue;
+    trace += growth[j * foci + j];
+    count += 1;
+  }
+  const double ridge = std::max(share_ridge * trace / std::max(count, 1.0), 1e-30) + more;
+  std::vector<double>& normal = scratch.normal;
+  for (std::size_t j = 0; j < foci; ++j) {
+    for (std::size_t k = 0; k < foci; ++k)
+      normal[j * foci + k] = takes[j] && takes[k] ? growth[j * foci + k] : 0;
+    normal[j * foci + j] = takes[j] ? normal[j * foci + j] + ridge : 1;
+    if (!takes[j]) scratch.ones[j] = scratch.rest[j] = 0;
+  }
+  solve_positive(normal, {scratch.ones, scratch.rest});
+}
+
+void resize(ShareScratch& scratch, std::size_t foci) {
+  scratch.normal.resize(foci * foci);
+  for (std::vector<double>* values : {&scratch.ones, &scratch.rest})
+    values->resize(foci);
+  scratch.takes.resize(foci);
+  scratch.returns.resize(foci);
+}
+
+/// Fills `shares`, of any sign and sum, so that every focus changes by `change`: K z = change.
+void find_changes(std::span<const double> growth, std::span<const double> change, std::span<const std::uint8_t> counts,
+                  std::span<double> shares, ShareScratch& scratch) {
+  const std::size_t foci = change.size();
+  resize(scratch, foci);
+  std::ranges::fill(scratch.ones, 0);
+  std::ranges::copy(change, scratch.rest.begin());
+  solve(growth, counts, 0, scratch);
+  std::ranges::copy(scratch.rest, shares.begin());
+}
 
 using Complex = std::complex<double>;
 
@@ -185,6 +226,51 @@ class Climb {
 };
 
 }  // namespace
+
+double find_shares(std::span<const double> growth, std::span<const double> loud, std::span<const std::uint8_t> counts,
+                   double stiffness, double spread, std::span<double> shares, ShareScratch& scratch) {
+  const std::size_t foci = loud.size();
+  resize(scratch, foci);
+  std::ranges::copy(counts, scratch.takes.begin());
+  double level = 0;
+  for (std::uint32_t round = 0; round < share_rounds; ++round) {
+    for (std::size_t j = 0; j < foci; ++j) {
+      scratch.ones[j] = 1;
+      scratch.rest[j] = loud[j];
+    }
+    solve(growth, scratch.takes, stiffness * spread, scratch);
+    double ones = 0, rest = 0;
+    for (std::size_t j = 0; j < foci; ++j) {
+      ones += scratch.ones[j];
+      rest += scratch.rest[j];
+    }
+    level = ones > 0 ? (1 / stiffness + rest) / ones : 0;
+    for (std::size_t j = 0; j < foci; ++j)
+      shares[j] = stiffness * (level * scratch.ones[j] - scratch.rest[j]);
+    bool changed = false;
+    for (std::size_t j = 0; j < foci; ++j) {
+      bool takes = shares[j] > 0;
+      if (!scratch.takes[j]) {
+        double grows = 0;
+        for (std::size_t k = 0; k < foci; ++k)
+          grows += growth[j * foci + k] * std::max(0.0, shares[k]);
+        takes = counts[j] && loud[j] + grows / stiffness < level;
+      }
+      scratch.returns[j] = takes ? 1 : 0;
+      changed = changed || takes != (scratch.takes[j] != 0);
+    }
+    if (!changed) break;
+    std::ranges::copy(scratch.returns, scratch.takes.begin());
+  }
+  double sum = 0;
+  for (double& share : shares) {
+    share = std::max(0.0, share);
+    sum += share;
+  }
+  for (double& share : shares)
+    share = sum > 0 ? share / sum : 0;
+  return level;
+}
 
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
   for (std::vector<float>* values : {&scratch.columns.re, &scratch.columns.im})

@@ -1,7 +1,7 @@
 // Raises the weakest of several foci when amplitudes are fixed and only phases may change.
 //
 //   x_n      the drive of transducer n;  p = G x;  u_j = p_j / |p_j|;  r_j = |p_j| / t_j
-//   z_j      the share of focus j, sum z = 1 (share_step.hpp)
+//   z_j      the share of focus j, sum z = 1 (share_step())
 //   h_n      sum over j of z_j / t_j u_j* G_jn x_n: what transducer n gives to the foci, each by its share
 //   D_n      |h_n| + climb_soft times the mean of |h_n|: how stiff transducer n is
 //   J_jn     -Im(u_j* G_jn x_n) / t_j, the derivative of r_j by the phase of x_n
@@ -23,9 +23,34 @@
 
 #include "array/field/transfer.hpp"
 #include "array/solvers/climb_lanes.hpp"
-#include "array/solvers/share_step.hpp"
 
 namespace palpa::array {
+
+// How much each focus counts in one step of a climb: a quadratic problem as small as the number of foci.
+//
+//   minimise over z: z r + z K z / (2 stiffness) + spread z z / 2,  z >= 0,  sum z = 1
+//
+//   r_j   the loudness of focus j relative to its target
+//   K_jk  the growth of r_j if focus k alone pulls the transducers
+//   z_j   the share of focus j in the pull
+//
+// Without `spread`, after the step all foci with a share are at one level, r + K z / stiffness = L, and L is as high as
+// a turn of this size allows. A focus that is louder than L anyway gets no share. With it, shares are more equal. The
+// foci with a share are found in rounds: those with a negative share leave, those that would fall below the level
+// return.
+
+inline constexpr std::uint32_t share_rounds = 6;
+inline constexpr double share_ridge = 1e-5;  ///< added to the diagonal of K, relative to its mean
+
+/// Keeps its storage from call to call.
+struct ShareScratch {
+  std::vector<double> normal, ones, rest;
+  std::vector<std::uint8_t> takes, returns;  ///< foci that take part in a round, and in the next one
+};
+
+/// Fills `shares`; returns L. `growth` is K, rows of `loud.size()`. Foci with `counts` 0 get no share.
+double find_shares(std::span<const double> growth, std::span<const double> loud, std::span<const std::uint8_t> counts,
+                   double stiffness, double spread, std::span<double> shares, ShareScratch& scratch);
 
 inline constexpr double climb_sharpness[] = {20, 80};
 inline constexpr double climb_soft = 0.2;

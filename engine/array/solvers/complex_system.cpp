@@ -32,4 +32,25 @@ void solve_complex(std::span<Complex> system, std::span<Complex> rest) {
   }
 }
 
+void solve_positive(std::span<double> system, std::initializer_list<std::span<double>> rests) {
+  const std::size_t rows = rests.begin()->size();
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double inverse = 1 / system[k * rows + k];
+    for (std::size_t i = k + 1; i < rows; ++i) {
+      const double part = system[i * rows + k] * inverse;
+      for (std::size_t j = k + 1; j < rows; ++j)
+        system[i * rows + j] -= part * system[k * rows + j];
+      for (const std::span<double> rest : rests)
+        rest[i] -= part * rest[k];
+    }
+  }
+  for (const std::span<double> rest : rests) {
+    for (std::size_t k = rows; k-- > 0;) {
+      for (std::size_t j = k + 1; j < rows; ++j)
+        rest[k] -= system[k * rows + j] * rest[j];
+      rest[k] /= system[k * rows + k];
+    }
+  }
+}
+
 }  // namespace palpa::array

@@ -3,31 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "array/solvers/complex_system.hpp"
 #include "array/solvers/hearing.hpp"
 
 namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-
-/// Solves the symmetric positive-definite system of `rest.size()` rows in place; `rest` becomes the solution.
-void solve(std::span<double> matrix, std::span<double> rest) {
-  const std::size_t rows = rest.size();
-  for (std::size_t k = 0; k < rows; ++k) {
-    const double inverse = 1 / matrix[k * rows + k];
-    for (std::size_t i = k + 1; i < rows; ++i) {
-      const double part = matrix[i * rows + k] * inverse;
-      for (std::size_t j = k + 1; j < rows; ++j)
-        matrix[i * rows + j] -= part * matrix[k * rows + j];
-      rest[i] -= part * rest[k];
-    }
-  }
-  for (std::size_t k = rows; k-- > 0;) {
-    for (std::size_t j = k + 1; j < rows; ++j)
-      rest[k] -= matrix[k * rows + j] * rest[j];
-    rest[k] /= matrix[k * rows + k];
-  }
-}
 
 /// Fills J. A focus without pressure has no slope.
 void find_slopes(const FocusMatrix& matrix, std::span<const double> targets, double level, EvenScratch& scratch) {
@@ -102,7 +84,7 @@ void solve_damped(std::span<double> normal, double damping, bool by_focus, std::
     double& diagonal = normal[a * foci + a];
     diagonal += std::max(damping * (by_focus ? diagonal : trace / static_cast<double>(foci)), 1e-30);
   }
-  solve(normal, rest);
+  solve_positive(normal, {rest});
 }
 
 Evened even_out(const FocusMatrix& matrix, std::span<const double> targets, const EvenGoal& goal,

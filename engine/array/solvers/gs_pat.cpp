@@ -134,14 +134,18 @@ void gs_pat_climb_to(const FocusMatrix& matrix, std::span<const double> targets,
   }
 }
 
-bool are_near(const Columns& part, FocusMatrix& scratch) {
-  multiply(part, scratch);
-  for (std::size_t j = 0; j < part.foci; ++j) {
+bool some_hear(const FocusMatrix& matrix, double least) {
+  for (std::size_t j = 0; j < matrix.foci; ++j) {
     for (std::size_t k = 0; k < j; ++k) {
-      if (heard_part(scratch, j, k) >= gs_pat_near) return true;
+      if (heard_part(matrix, j, k) >= least) return true;
     }
   }
   return false;
+}
+
+bool are_near(const Columns& part, FocusMatrix& scratch) {
+  multiply(part, scratch);
+  return some_hear(scratch, gs_pat_near);
 }
 
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,

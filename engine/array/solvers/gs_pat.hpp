@@ -94,6 +94,8 @@ const SearchEffort* effort_for(Care care, Constraint constraint, std::size_t foc
 
 /// The share of the sound of focus `k` that is heard at focus `j`, 0 .. 1; 0 if one of them cannot be reached.
 double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k);
+/// Whether two foci hear at least this part of each other.
+bool some_hear(const FocusMatrix& matrix, double least);
 
 /// Fills `weights`, one per focus, from R and, if the constraint bounds amplitudes, from all columns. `gains` are
 /// relative to the largest, 0..1, one per focus. At most most_solved_foci foci. The initial phases depend only on

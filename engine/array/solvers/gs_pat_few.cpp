@@ -27,18 +27,9 @@ double merit_of(std::span<const Complex> factors, std::span<const Complex> press
   return power > 0 ? weakest / std::sqrt(power) : 0;
 }
 
-bool hear_each_other(const FocusMatrix& matrix) {
-  for (std::size_t j = 0; j < matrix.foci; ++j) {
-    for (std::size_t k = 0; k < j; ++k) {
-      if (heard_part(matrix, j, k) >= gs_pat_hears) return true;
-    }
-  }
-  return false;
-}
-
 /// Computes the plain factors.
 void solve_plain(const FocusMatrix& matrix, const Columns& columns, std::uint32_t tries, GsPatScratch& scratch) {
-  const std::uint32_t starts = hear_each_other(matrix) ? gs_pat_starts : 1;
+  const std::uint32_t starts = some_hear(matrix, gs_pat_hears) ? gs_pat_starts : 1;
   double best = -1;
   for (std::uint32_t i = 0; i < starts; ++i) {
     gs_pat_start(matrix, columns, i, scratch.claims, scratch.start);

@@ -17,7 +17,6 @@ namespace palpa::array {
 namespace {
 
 using Complex = std::complex<double>;
-using Four [[gnu::vector_size(32)]] = double;
 
 constexpr double first_damping = 1e-6, least_damping = 1e-12, most_damping = 1e3;
 constexpr std::uint32_t few_tries = 12;  // after these, a step that gains little is the last one
@@ -27,15 +26,6 @@ constexpr double raise_worth = 1.01;      // a raise must make the weakest focus
 constexpr double raise_depth = 1e-3;      // and leave nulls as deep as this
 constexpr std::size_t block = 64;         // transducers
 constexpr std::size_t products_each = 4;  // of a pair of rows
-
-[[gnu::always_inline]] inline Four four(const double* from) {
-  Four value;
-  std::memcpy(&value, from, sizeof(value));
-  return value;
-}
-[[gnu::always_inline]] inline double total(const Four& sum) {
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
 
 /// Turns `from` by a step, or not at all without one, into `to`.
 struct Step {

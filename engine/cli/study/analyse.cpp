@@ -13,8 +13,7 @@
 #include "study/comparison.hpp"
 #include "study/files/counts_file.hpp"
 #include "study/files/study_folder.hpp"
-#include "study/report/analysis_reports.hpp"
-#include "study/report/comparison_report.hpp"
+#include "study/report/reports.hpp"
 
 namespace palpa::cli {
 namespace {

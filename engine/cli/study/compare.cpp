@@ -8,7 +8,7 @@
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
 #include "study/comparison.hpp"
-#include "study/report/comparison_report.hpp"
+#include "study/report/reports.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -11,7 +11,7 @@
 #include "base/log.hpp"
 #include "cli/study/commands.hpp"
 #include "cli/study/outputs.hpp"
-#include "study/report/power_report.hpp"
+#include "study/report/reports.hpp"
 
 namespace palpa::cli {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "base/text.hpp"
 #include "observer/predicted/prediction_reports.hpp"
-#include "study/pages/csv.hpp"
 #include "study/pages/numbers.hpp"
 
 namespace palpa::observer {

@@ -26,7 +26,7 @@ std::string_view remedy_of(const HandOver& counts) {
     return "palpa-guard got no processor in time; end other programs, give it real-time scheduling (palpa doctor says "
            "how), switch power saving off (cpupower frequency-set -g performance), or give a longer --dwell";
   }
-  if (in_guard >= on_wire) return "the board took no more; give a longer --dwell, or --method single-focus";
+  if (in_guard >= on_wire) return "the board took no more; give a longer --dwell, or foci that stand still";
   return "the device did not take what was sent; put it on a USB controller of its own, without a hub, or give a "
          "longer "
          "--dwell";

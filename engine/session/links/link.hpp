@@ -69,7 +69,7 @@ class Link {
   virtual bool plays_plans() const { return false; }
 
   /// The layout whose boards play the drives, with the factors of their transducers. SafeLink then rounds amplitudes to
-  /// those that the boards have (array/layouts/played.hpp): drives and plans have what the wire is to carry. Null:
+  /// those that the boards have (array/layouts/board_play.hpp): drives and plans have what the wire is to carry. Null:
   /// drives are passed on as they are. Must not change.
   virtual const array::Layout* boards() const { return nullptr; }
 

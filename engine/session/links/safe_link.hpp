@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 #include "array/requested_play.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"

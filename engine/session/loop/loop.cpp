@@ -8,6 +8,7 @@
 #include <exception>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -162,11 +163,15 @@ std::uint64_t record(FrameQueue& frames, const std::atomic<bool>& stop, const Cl
 /// Warns once if frames take longer than they sound.
 class Overload {
  public:
-  explicit Overload(double hold_s) : hold_s_(hold_s) {}
+  Overload(double hold_s, std::string_view too_slow) : hold_s_(hold_s), too_slow_(too_slow) {}
 
   void planned(double frame_to_drives_s) {
     late_ = frame_to_drives_s < hold_s_ ? 0 : late_ + 1;
     if (late_ < in_a_row || std::exchange(warned_, true)) return;
+    if (!too_slow_.empty()) {
+      log::warning(too_slow_);
+      return;
+    }
     const double enough_s = std::ceil(frame_to_drives_s * 30) / 10;
     const std::string longer = enough_s <= longest_s ? fmt::format("--hold {:.0f}ms, or ", enough_s * 1e3) : "";
     log::warning(fmt::format(
@@ -179,6 +184,7 @@ class Overload {
   static constexpr int in_a_row = 3;       ///< a single late frame is normal
   static constexpr double longest_s = 10;  ///< the limit of --hold
   double hold_s_;
+  std::string_view too_slow_;
   int late_ = 0;
   bool warned_ = false;
 };
@@ -204,7 +210,7 @@ struct Compute {
   };
   std::deque<Start> under_way{};
   EarlyStart early_start{setting.output.hold_s};
-  Overload overload{setting.output.hold_s};
+  Overload overload{setting.output.hold_s, planner.too_slow()};
   EffortControl effort{setting.output.hold_s, options.every_frame ? Effort{} : planner.most_shed(),
                        setting.lengthens_hold && !options.every_frame ? longest_auto_hold_s : 0};
   ShedReport shed_report{setting.output.hold_s};

@@ -75,9 +75,10 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
           OutputStats& stats, RunObserver& observer) {
   // The kernel may delay a sleeping thread by 50 microseconds to save power; a slot is 1500.
   prctl(PR_SET_TIMERSLACK, 1000);
+  std::optional<KeptInMemory> kept;
   std::optional<RealTime> turns;
   if (clock.is_real()) {
-    keep_in_memory();
+    kept.emplace();
     turns.emplace(output_priority, real_time_service());
   }
   const std::size_t transducers = setting.layout.transducers.size();

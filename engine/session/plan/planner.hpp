@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "base/math.hpp"
 #include "gpu/device.hpp"
@@ -75,6 +76,8 @@ class Planner {
   /// nothing.
   virtual void set_effort(const Effort&) {}
   virtual Effort most_shed() const { return {}; }
+  /// The warning if plans take too long, where frames are not the reason.
+  virtual std::string_view too_slow() const { return {}; }
   /// Whether plans also list the drives of a cycle of foci that stand still, for a link that plays them by its own
   /// clock.
   virtual void list_standing(bool) {}

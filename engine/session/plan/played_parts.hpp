@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 #include "array/requested_play.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/plan/plan.hpp"

@@ -4,9 +4,10 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <string>
 
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
+#include "array/layouts/board_types.hpp"
+#include "array/layouts/changes.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/loop/output.hpp"
 
@@ -33,18 +34,23 @@ EarDrives ear_drives(const Plan& plan, const SessionSetting& setting, bool steps
   EarDrives out;
   const array::Layout& layout = setting.layout;
   out.transducers = layout.transducers.size();
-  out.slot_s = std::min(plan.schedule.slot_s, longest_s);
+  out.slot_s = plan.schedule.slot_s;
   if (plan.schedule.voice_count == 0 || out.transducers == 0) return out;
   const array::Medium& medium = setting.drive.medium;
   out.ear.air = acoustics::air_of({}, medium.frequency, medium.sound_speed);
   out.ear.source_level_pa_m = layout.source_level_pa_m;
-  const std::string type = layout.boards.empty() ? "" : layout.boards.front().type;
-  const bool by_its_clock = type == "autd3" && plan.cycle.modulation_hz != 0 && plan.cycle.length == 1;
-  if (by_its_clock) out.slot_s = std::min(out.slot_s, 0.25e-3);
-  out.changes = acoustics::changes_of(type, out.slot_s, steps, setting.drive.nulls != nullptr);
+  const array::BoardType* const type = array::board_type_of(layout);
+  const bool has_clock = type != nullptr && type->modulation_slot_s > 0;
+  if (has_clock && plan.cycle.modulation_hz != 0 && plan.cycle.length == 1)
+    out.slot_s = std::min(out.slot_s, type->modulation_slot_s);
+  out.changes = array::changes_of(type, {.slot_s = out.slot_s,
+                                         .boards_of_bus = layout.boards.size(),
+                                         .steps = steps,
+                                         .nulls = setting.drive.nulls != nullptr});
 
-  const double of_a_slot = static_cast<double>(out.transducers) * out.slot_s * medium.frequency;
-  const auto most = static_cast<std::size_t>(std::max(1.0, std::min(most_periods / of_a_slot, longest_s / out.slot_s)));
+  const double heard_s = std::min(out.slot_s, acoustics::longest_change_s);
+  const double of_a_slot = static_cast<double>(out.transducers) * heard_s * medium.frequency;
+  const auto most = static_cast<std::size_t>(std::max(1.0, std::min(most_periods / of_a_slot, longest_s / heard_s)));
   const bool repeats = plan.cycle.is_listed() && !plan.course.changes();
   const std::size_t slots = slots_of(repeats ? plan.cycle.length : 0, plan.cycle.modulation_hz, out.slot_s, most);
   const OutputSetting output{.layout = layout, .drive = setting.drive, .slot_s = out.slot_s, .safety = setting.safety};

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "acoustics/audible.hpp"
+#include "array/layouts/changes.hpp"
 #include "array/transducer_drive.hpp"
 #include "session/plan/plan.hpp"
 #include "session/plan/setting.hpp"
@@ -16,14 +17,13 @@ struct EarDrives {
   array::Drive drives;  ///< none: nothing sounds
   std::size_t transducers = 0;
   double slot_s = 1.5e-3;
-  acoustics::Changes changes;
+  array::Changes changes;
   acoustics::EarOptions ear;
 
   acoustics::PlayedDrives played() const { return {drives, transducers, slot_s, changes}; }
 };
 
-/// At the setting's ceiling. `steps`: --steps of boards that can. AUTD3 plays a modulation of foci that stand still by
-/// its own clock, in slots of 0.25 ms.
+/// At the setting's ceiling. `steps`: --steps of boards that can, all of them on one USB bus.
 EarDrives ear_drives(const Plan& plan, const SessionSetting& setting, bool steps);
 
 }  // namespace palpa::session

@@ -102,6 +102,14 @@ struct FingerSoundStats {
   Samples gain;                 ///< of each focus' pressure, over that with the drive for free air
 };
 
+/// For a run in which nothing touched: the skin that came nearest to a solid, among some of its frames.
+struct UntouchedStats {
+  std::string solid;      ///< empty: no skin was near the solids
+  double distance_m = 0;  ///< to its surface
+  bool inside = false;    ///< below it, so deeper than its shell
+  std::string why;        ///< in words: "the nearest skin was 31.0 mm away from the surface of cube"
+};
+
 /// For a run that has shed work.
 struct ShedStats {
   Effort least;              ///< the least effort of any frame
@@ -124,6 +132,7 @@ struct LoopStats {
   std::uint64_t planned = 0;                ///< frames whose drives were made
   std::uint64_t unplayed = 0;               ///< of these, not played because the drives of a newer one had come
   std::uint64_t touching = 0;               ///< of the planned frames, those with at least one finger
+  std::optional<UntouchedStats> untouched;  ///< if frames were planned and none had a finger; set by the caller
   std::optional<sensing::Dropped> dropped;  ///< of the planned frames, if something could be dropped
   double seconds = 0;                       ///< from the first frame to the end
   Samples frame_to_plan_s;                  ///< a frame in memory to its drives in memory

@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "base/error.hpp"
-#include "setup/files/asset_folder.hpp"
 
 namespace palpa::setup {
 

@@ -10,4 +10,8 @@ namespace palpa::setup {
 /// bad_input naming the asset and these places, and for a name that leads out of the folder.
 std::string find_asset(const std::string& name);
 
+/// For programs that are not in palpa's bin folder: find_asset() also looks into this folder, after $PALPA_ASSETS and
+/// before the places beside the program.
+void set_asset_folder(const std::string& folder);
+
 }  // namespace palpa::setup

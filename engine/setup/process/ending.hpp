@@ -3,6 +3,9 @@
 // agree.
 #pragma once
 
+#include <chrono>
+#include <string_view>
+
 #include "base/error.hpp"
 
 namespace palpa::setup {
@@ -10,8 +13,12 @@ namespace palpa::setup {
 /// A program begins: nothing is decided. Tests run several programs in one process.
 void begin_ending();
 /// The program ends with `code`, unless another thread has already decided. Returns whether this call decided. Then the
-/// caller prints the line that belongs to the code.
+/// caller passes the line that belongs to the code, unless it is Exit::ok.
 bool decide_ending(Exit code);
+/// Logs that line as an error.
+void tell_ending(std::string_view line);
+/// Waits until it is written, for that long at most.
+void wait_for_line(std::chrono::milliseconds most);
 /// What was decided; Exit::ok if nothing is.
 Exit ending();
 

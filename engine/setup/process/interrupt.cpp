@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/log.hpp"
 #include "base/system/start_thread.hpp"
+#include "session/threads.hpp"
 #include "setup/process/ending.hpp"
 
 namespace palpa::setup {
@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 
 /// Parts of the one second in which palpa must end. The remaining time is for the line, and for the system to end the
 /// process.
-constexpr auto patience = 750ms, for_the_line = 50ms;
+constexpr auto patience = 750ms, for_the_line = 150ms;
 
 std::atomic<bool> requested_flag{false};
 std::atomic<bool> signal_came{false};  ///< set only by a signal
@@ -66,6 +66,7 @@ struct Interrupt::Deadline {
   std::function<void()> came;
 
   static void watch(const std::shared_ptr<Deadline>& deadline) {
+    session::go_first();  // a busy machine must not keep its line back
     while (sem_wait(&first_signal) != 0 && errno == EINTR) {
     }
     if (deadline->called_off) return;
@@ -82,12 +83,12 @@ struct Interrupt::Deadline {
     // Written by another thread, because it may have to wait for its reader.
     if (decide_ending(Exit::failed)) {
       try {
-        std::thread([line = deadline->late] { log::error(line); }).detach();
+        std::thread([line = deadline->late] { tell_ending(line); }).detach();
       } catch (const std::exception&) {  // no memory for another thread: palpa ends without the line
       }
     }
     // If the program's own thread has decided, its line gets this time. Only its clean-up is late then.
-    std::this_thread::sleep_for(for_the_line);
+    wait_for_line(for_the_line);
     if (void (*const restore)() = restore_something) restore();
     ::_exit(static_cast<int>(ending()));
   }

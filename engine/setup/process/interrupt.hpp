@@ -12,7 +12,7 @@
 
 namespace palpa::setup {
 
-/// While an object of this class exists, signals only make requested() true. Signals that palpa's parent process
+/// While an object of this class exists, signals only set flag(). Signals that palpa's parent process
 /// ignores (nohup) stay ignored. Only one object may exist at a time.
 class Interrupt {
  public:
@@ -28,7 +28,6 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  bool requested() const { return flag(); }
   /// Whether a signal came, whatever has happened to the flag since.
   static bool signalled();
   /// Sets a function that is called on another thread before palpa ends by itself one second after a signal; nullptr:

@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/files/outputs.hpp"
 #include "base/log.hpp"
+#include "base/system/real_time.hpp"
 #include "base/system/start_thread.hpp"
 #include "base/text.hpp"
 #include "gpu/device.hpp"
@@ -53,7 +54,7 @@ void survive_signals_of_writes() {
 /// If the watch for signals has already reported that the program ended too late, this line is not printed.
 Exit report(Exit code, const std::string& line) {
   log::drop_warnings();
-  if (decide_ending(code)) log::error(one_line(line));
+  if (decide_ending(code)) tell_ending(line);
   return ending();
 }
 
@@ -61,6 +62,7 @@ Exit report(Exit code, const std::string& line) {
 
 int run_program(const std::function<void()>& body) {
   begin_ending();
+  allow_lower_limit();
   guard_standard_streams();
   const std::shared_ptr<void> all_files = keep_register();
   survive_signals_of_writes();

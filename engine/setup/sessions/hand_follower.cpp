@@ -27,7 +27,7 @@ struct Joint {
   std::size_t joint;
   std::unique_ptr<sensing::Tracker> tracker;
   Transform T_array_joints;
-  session::Anchor& anchor;
+  session::HandPlace& place;
   const session::Clock& clock;
   bool left = false;
 
@@ -41,13 +41,13 @@ struct Joint {
       if (!came) continue;
       const double captured_s = source_clock.capture_time(frame.time_s, clock.now());
       if (frame.hands.empty()) {
-        anchor.lose();
+        place.lose();
         continue;
       }
       const auto same = std::ranges::find(frame.hands, left, &sensing::TrackedHand::left);
       const sensing::TrackedHand& hand = same != frame.hands.end() ? *same : frame.hands.front();
       left = hand.left;
-      anchor.see(T_array_joints * sensing::pose_of_joint(hand, joint), captured_s);
+      place.see(T_array_joints * sensing::pose_of_joint(hand, joint), captured_s);
     }
   }
 };
@@ -56,20 +56,20 @@ struct Joint {
 struct TouchingFinger final : session::RunObserver {
   Prepared prepared;
   Transform T_array_world;
-  session::Anchor& anchor;
+  session::HandPlace& place;
   const session::Clock& clock;
   std::unique_ptr<session::Link> silent =
       session::open_link("null", session::builtin_links(), prepared.session->link_setting());
   std::uint32_t id = 0;
 
-  TouchingFinger(Prepared made, const Transform& T_world_array, session::Anchor& seen, const session::Clock& times)
-      : prepared(std::move(made)), T_array_world(glm::inverse(T_world_array)), anchor(seen), clock(times) {}
+  TouchingFinger(Prepared made, const Transform& T_world_array, session::HandPlace& seen, const session::Clock& times)
+      : prepared(std::move(made)), T_array_world(glm::inverse(T_world_array)), place(seen), clock(times) {}
 
   void follow(std::atomic<bool>& over) { prepared.session->run(*prepared.source, *silent, over, {.observer = this}); }
 
   void planned(const session::FrameReport& report, const session::Plan&) override {
     const touch::Touch& touch = *report.touch;
-    if (touch.finger_count == 0) return anchor.lose();
+    if (touch.finger_count == 0) return place.lose();
     const std::span fingers = std::span(touch.fingers).first(touch.finger_count);
     const auto same = std::ranges::find(fingers, id, &touch::Finger::id);
     const touch::Finger& finger = same != fingers.end() ? *same : fingers.front();
@@ -77,21 +77,22 @@ struct TouchingFinger final : session::RunObserver {
     // Parallel to the array: a finger's axes are those of its contacts, and turn with every frame.
     Transform pose(1.0);
     pose[3] = Vec4(transform_point(T_array_world, Vec3(finger.section.centroid)), 1);
-    anchor.see(pose, clock.now() - (report.planned_s - report.arrived_s));
+    place.see(pose, clock.now() - (report.planned_s - report.arrived_s));
   }
-  void expired() override { anchor.lose(); }
+  void expired() override { place.lose(); }
 };
 
 }  // namespace
 
-HandFollower::HandFollower(Follow follow, session::Anchor& anchor, std::atomic<bool>& stop, const session::Clock& clock)
-    : thread_(clock.start("--on", [this, follow = std::move(follow), &anchor, &stop] {
+HandFollower::HandFollower(Follow follow, session::HandPlace& place, std::atomic<bool>& stop,
+                           const session::Clock& clock)
+    : thread_(clock.start("--on", [this, follow = std::move(follow), &place, &stop] {
         try {
           follow(over_);
         } catch (...) {
           fault_ = std::current_exception();
         }
-        anchor.lose();
+        place.lose();
         stop = true;
       })) {}
 
@@ -108,22 +109,22 @@ void HandFollower::end() {
 
 std::unique_ptr<HandFollower> follow_hand(On on, const FrameOptions& frames,
                                           std::span<const session::SourceKind> sources, const Transform& T_world_array,
-                                          session::Anchor& anchor, std::atomic<bool>& stop,
+                                          session::HandPlace& place, std::atomic<bool>& stop,
                                           const session::Clock& clock) {
   if (on == On::finger) {
     FrameOptions watched = frames;
     watched.watched = true;
     check(watched);
-    const auto finger = std::make_shared<TouchingFinger>(prepare(watched, sources, true), T_world_array, anchor, clock);
-    return std::make_unique<HandFollower>([finger](std::atomic<bool>& over) { finger->follow(over); }, anchor, stop,
+    const auto finger = std::make_shared<TouchingFinger>(prepare(watched, sources, true), T_world_array, place, clock);
+    return std::make_unique<HandFollower>([finger](std::atomic<bool>& over) { finger->follow(over); }, place, stop,
                                           clock);
   }
   const sensing::Rig rig = load_posed_rig(frames.rig).rig;
   const Transform T_array_joints = glm::inverse(T_world_array) * rig.T_world_joints.value_or(Transform(1.0));
   const auto joint = std::make_shared<Joint>(
       Joint{joint_of(on), sensing::open_tracker(session::parse_spec(frames.source).argument, true), T_array_joints,
-            anchor, clock});
-  return std::make_unique<HandFollower>([joint](std::atomic<bool>& over) { joint->follow(over); }, anchor, stop, clock);
+            place, clock});
+  return std::make_unique<HandFollower>([joint](std::atomic<bool>& over) { joint->follow(over); }, place, stop, clock);
 }
 
 }  // namespace palpa::setup

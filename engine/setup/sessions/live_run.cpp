@@ -17,7 +17,10 @@
 #include "session/links/real_time_service.hpp"
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
+#include "setup/options/board_play.hpp"
+#include "setup/sessions/kept_frames.hpp"
 #include "setup/sessions/load.hpp"
+#include "setup/sessions/near_skin.hpp"
 #include "setup/sessions/null_watch.hpp"
 #include "setup/sessions/tracker.hpp"
 
@@ -115,31 +118,15 @@ void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<con
 }
 
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
-  TouchOptions& touch = options.touch;
   const std::string name = session::parse_spec(options.link).name;
   if (!session::find_kind(links, name, "link").least_moving_slot_s) return;
   const double least_s = session::least_moving_slot_s(options.link, links, load_placed_layout(options.rig).layout);
-  touch.steady_gains = true;
-  if (touch.dwell_s >= least_s) return;
-  if (touch.method_given || touch::stands_still(touch.method.method)) return;
-  const char* const instead =
-      options.own_method
-          ? "your own method must place one focus, which does not move; if it places more, give"
-          : "palpa plays --method single-focus, whose focus does not move; give --method single-focus to avoid this "
-            "warning, or";
-  log::warning(
-      fmt::format("--link {}: takes {:.1f} ms for each focus, longer than the dwell of {:g} ms, so {} --dwell {:g}ms",
-                  options.link, 1e3 * least_s, 1e3 * touch.dwell_s, instead, std::ceil(1e3 * least_s)));
-  touch.method.method = touch::Method::single_focus;
+  take_method_of_boards(options.touch, least_s, "--link " + options.link, options.own_method != nullptr);
 }
 
 void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind> links) {
-  TouchOptions& touch = options.touch;
-  if (options.steps == Steps::off || touch.dwell_given || !touch::stands_still(touch.method.method)) return;
   if (!session::find_kind(links, session::parse_spec(options.link).name, "link").takes_steps) return;
-  // Boards of one bus: more would need more than it carries.
-  constexpr std::size_t most_boards = 11;
-  if (load_placed_layout(options.rig).layout.boards.size() <= most_boards) touch.dwell_s = still_dwell_s;
+  take_dwell_of_boards(options.touch, load_placed_layout(options.rig).layout, options.steps);
 }
 
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
@@ -199,6 +186,26 @@ void LiveRun::watch_scene() {
   });
 }
 
+/// Why nothing touched. Solids that other programs move may have been elsewhere: then nobody knows.
+void LiveRun::find_why_untouched(std::span<const sensing::FrameSet> frames, session::LoopStats& stats) {
+  if (stats.touching > 0 || stats.planned == 0 || osc_ || before_frame_) return;
+  NearSkin near(session().setting());
+  sensing::SkinOfFrame skin;
+  std::optional<NearestSkin> nearest;
+  for (const sensing::FrameSet& set : frames) {
+    near.find(set, skin);
+    const std::optional<NearestSkin> found = near.nearest(skin.points);
+    if (found && (!nearest || found->distance_m < nearest->distance_m)) nearest = found;
+  }
+  session::UntouchedStats untouched{.why = why_untouched(nearest, session().solids(), "was")};
+  if (nearest) {
+    untouched.solid = session().solids()[nearest->solid].name;
+    untouched.distance_m = nearest->distance_m;
+    untouched.inside = nearest->inside;
+  }
+  stats.untouched = std::move(untouched);
+}
+
 void LiveRun::before_frame(session::Session& session) {
   if (osc_) osc_->before_frame(session);
   if (before_frame_) before_frame_(session);
@@ -238,14 +245,16 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   if (osc_) osc_->listen(session(), observer);
   if (options_.reload) watch_scene();
   session::LoopStats stats;
+  KeptFrames kept(source());
   try {
-    stats = session().run(source(), *link_, *stop_, options);
+    stats = session().run(kept, *link_, *stop_, options);
   } catch (...) {
     finish(sink_.get(), true);
     throw;
   }
   finish(sink_.get(), false);
   tell_backend(options_.common, stats);
+  find_why_untouched(kept.frames(), stats);
   if (sink_) stats.events = {sink_->written(), sink_->dropped()};
   if (osc_) stats.messages = osc_->end();
   if (reload_) stats.reload = reload_->end();
@@ -292,6 +301,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
       counted(stats.captured, "frame"), stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, counted(stats.output.drives, "drive"), stats.output.silent_drives,
       counted(stats.output.skipped_slots, "slot"));
+  if (stats.untouched) text += "nothing touched: " + stats.untouched->why + "\n";
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)
                                       : "";

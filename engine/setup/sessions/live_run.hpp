@@ -61,13 +61,10 @@ std::vector<Output> outputs_of(const LiveOptions& options, std::span<const sessi
 /// it (log::info). Throws as sensing::load_rig and the link do.
 void take_layout_of_link(RigOptions& rig, const std::string& link, std::span<const session::LinkKind> links);
 
-/// If the link cannot follow foci that move so fast, gains do not change from slot to slot either. If the command line
-/// names no method, also sets single-focus and warns; a method of the caller's must then place one focus.
+/// take_method_of_boards() for a link that cannot follow foci that move fast.
 void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
-/// Foci that stand still sound in slots of this length, if the command line gives no dwell and the link's board takes
-/// steps and may: a modulation in so fine steps is quieter to the ear.
-inline constexpr double still_dwell_s = 0.3e-3;
+/// take_dwell_of_boards() for a link whose boards take steps.
 void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
 class LiveRun final : session::RunChanges {
@@ -91,6 +88,7 @@ class LiveRun final : session::RunChanges {
  private:
   std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);
   void watch_scene();
+  void find_why_untouched(std::span<const sensing::FrameSet> frames, session::LoopStats& stats);
   void before_frame(session::Session& session) override;
   bool has_scene() const override { return reload_ && reload_->ready(); }
   void take_scene(session::Session& session) override;

@@ -138,19 +138,20 @@ sensation::Pattern load_sensation(const std::string& name_or_file) {
   return sensation::load_pattern(name_or_file);
 }
 
-void check_parameter(const std::string& name, double value, const sensation::Pattern& pattern) {
+void check_parameter(const std::string& where, const std::string& name, double value,
+                     const sensation::Pattern& pattern) {
   const std::optional<std::uint32_t> index = pattern.parameter(name);
   if (!index) {
     std::vector<std::string> known;
     for (const sensation::Parameter& parameter : pattern.parameters)
       known.push_back(printable(parameter.name, 40));
-    throw bad_usage(fmt::format("--param: {} has no parameter '{}'; {}", pattern.file, printable(name, 40),
+    throw bad_usage(fmt::format("{}: {} has no parameter '{}'; {}", where, pattern.file, printable(name, 40),
                                 known.empty() ? "it has none" : fmt::format("it has {}", fmt::join(known, ", "))));
   }
   const sensation::Parameter& parameter = pattern.parameters[*index];
   if (const double used = std::clamp(value, parameter.low, parameter.high); used != value) {
-    log::warning(fmt::format("--param: {} is {} to {}, so it is {:g} and not {:g}", printable(name, 40), parameter.low,
-                             parameter.high, used, value));
+    log::warning(fmt::format("{}: {} is {} to {}, so it is {:g} and not {:g}", where, printable(name, 40),
+                             parameter.low, parameter.high, used, value));
   }
 }
 
@@ -159,9 +160,11 @@ std::map<std::string, double> parameters_of(std::span<const std::string> texts, 
   for (const std::string& text : texts) {
     const std::size_t equals = std::min(text.rfind('='), text.size());
     const std::optional<double> value = parse_number(std::string_view(text).substr(std::min(equals + 1, text.size())));
-    if (!value) throw bad_usage(fmt::format("--param: '{}' is not NAME=VALUE, such as rate=80", printable(text, 60)));
+    if (!value)
+      throw bad_usage(
+          fmt::format("--param: '{}' is not NAME=VALUE with a finite number, such as rate=80", printable(text, 60)));
     const std::string name = text.substr(0, equals);
-    check_parameter(name, *value, pattern);
+    check_parameter("--param", name, *value, pattern);
     values[name] = *value;
   }
   return values;
@@ -214,14 +217,13 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
         "--link {}: with --amplitude distance or another --frequency, each drive is sent by itself, every {:g} ms",
         o.link, 1e3 * slot_s));
   }
-  constexpr double few = 4;
-  const double in_a_turn = fastest_hz > 0 ? 1 / (slot_s * fastest_hz) : slots_in_a_turn;
+  const double in_a_turn = session::places_in_a_turn(fastest_hz, slot_s);
   if (!o.dwell_s && least_s > usual_s) {
     log::warning(
         fmt::format("--link {}: takes {:g} ms for each place: one turn of {:g} Hz has {:.3g} of them instead "
                     "of {:g}",
                     o.link, 1e3 * least_s, fastest_hz, in_a_turn, slots_in_a_turn));
-  } else if (o.dwell_s && in_a_turn < few) {
+  } else if (o.dwell_s && in_a_turn < session::few_places) {
     log::warning(fmt::format("--dwell {:g} ms: one turn of {:g} Hz has {:.3g} places; give at most {:g} ms",
                              1e3 * slot_s, fastest_hz, in_a_turn, 1e3 * usual_s));
   }
@@ -230,11 +232,12 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
 
 std::vector<sensation::Point> offline_points(sensation::Sensation& sensation, const session::SensationSetting& setting,
                                              const std::string& who) {
-  std::vector<sensation::Point> points = session::points_of_slots(sensation, setting, most_offline_slots + 1);
-  if (points.size() > most_offline_slots) {
+  const double slot_s = setting.output.slot_s;
+  const std::uint64_t most = std::min(most_offline_slots, static_cast<std::uint64_t>(most_offline_s / slot_s));
+  std::vector<sensation::Point> points = session::points_of_slots(sensation, setting, most + 1);
+  if (points.size() > most) {
     throw bad_usage(fmt::format("{} plays for more than {} slots of {:g} ms: give a --duration of at most {:g}s", who,
-                                most_offline_slots, 1e3 * setting.output.slot_s,
-                                static_cast<double>(most_offline_slots) * setting.output.slot_s));
+                                most, 1e3 * slot_s, static_cast<double>(most) * slot_s));
   }
   return points;
 }
@@ -276,7 +279,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   if (!o.osc.empty()) setting.output.safety.gain_now = &osc.emplace(o.osc).gain();
   // Before a device starts its threads. Without one, this thread is ahead of what sounds, and may wait.
   if (o.on == On::finger) session::go_first();
-  session::Anchor anchor;
+  session::HandPlace hand;
   std::unique_ptr<HandFollower> follower;
   const std::vector<std::string> no_solids;
   session::LinkSetting link_setting{playing.posed, no_solids, setting.output.slot_s};
@@ -286,9 +289,9 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.steps = o.steps == Steps::on;
   link_setting.free_field = goes_ahead(o, playing.posed);
   if (o.on) {
-    setting.anchor = &anchor;
+    setting.hand = &hand;
     FrameOptions frames = o;
-    follower = follow_hand(*o.on, frames, sources, setting.T_world_array, anchor, stop);
+    follower = follow_hand(*o.on, frames, sources, setting.T_world_array, hand, stop);
   }
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
   if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);

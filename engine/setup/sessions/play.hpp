@@ -49,9 +49,11 @@ std::vector<Output> outputs_of(const PlayOptions& options, std::span<const sessi
 std::vector<std::string> sensation_names();
 /// The pattern of that name, or in that file. Throws bad_input also for a name that is neither.
 sensation::Pattern load_sensation(const std::string& name_or_file);
-/// Throws bad_usage for a name that the pattern does not know. Warns of a value beyond its limits.
-void check_parameter(const std::string& name, double value, const sensation::Pattern& pattern);
-/// Values from "NAME=VALUE", checked. Throws bad_usage for another form, too.
+/// Throws bad_usage for a name that the pattern does not know. Warns of a value beyond its limits. `where`: how
+/// messages begin.
+void check_parameter(const std::string& where, const std::string& name, double value,
+                     const sensation::Pattern& pattern);
+/// Values from "NAME=VALUE" of --param, checked. Throws bad_usage for another form, too.
 std::map<std::string, double> parameters_of(std::span<const std::string> texts, const sensation::Pattern& pattern);
 
 /// At least so many slots in one turn of the fastest brush or modulation.
@@ -80,9 +82,11 @@ struct Playing {
 std::unique_ptr<Playing> prepare_play(const PlayOptions& options, double fastest_hz, const std::string& who,
                                       std::span<const session::LinkKind> links);
 
-/// The most slots in a table, a picture or a record.
+/// The most slots in a table, a picture or a record, and the longest time.
 inline constexpr std::uint64_t most_offline_slots = 500'000;
-/// The slots until its stop or its duration, for files. Throws bad_usage if there are more than most_offline_slots.
+inline constexpr double most_offline_s = 1000;
+/// The slots until its stop or its duration, for files. Throws bad_usage if there are more than most_offline_slots, or
+/// if it plays for longer than most_offline_s.
 std::vector<sensation::Point> offline_points(sensation::Sensation& sensation, const session::SensationSetting& setting,
                                              const std::string& who);
 /// time_s,x_m,y_m,z_m,gain: the point at each slot's beginning, in the array's frame.

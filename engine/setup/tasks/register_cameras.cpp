@@ -109,31 +109,17 @@ class TouchedSource final : public sensing::DepthSource {
   sensing::FrameSet set_;
 };
 
-/// A simulated finger that goes to each focus, and finds it only nearly.
-class RehearsedTouch final : public sensing::DepthSource {
+/// A simulated finger that goes to each focus, and finds it only nearly. While there is none, it is out of sight.
+class RehearsedFinger {
  public:
-  RehearsedTouch(const session::SourceSetting& setting, const CameraTouches& touches, double off_m, bool noise)
-      : rig_(setting.cameras, setting.occluders, noise ? sensing::Noise::d415 : sensing::Noise::none, setting.seed),
-        finger_(session::load_skin(find_asset("finger.ply"))),
-        touches_(&touches),
-        off_m_(off_m),
-        seed_(setting.seed) {}
-  const std::vector<sensing::Camera>& cameras() const override { return rig_.cameras(); }
-
-  bool next(sensing::FrameSet& out, double) override {
-    std::vector<sensing::Posed> skin;
-    if (const std::optional<Vec3> focus = touches_->focus())
-      skin.push_back({&finger_, glm::translate(Transform(1.0), *focus + off_at(*focus))});
-    rig_.render(skin, sequence_, out);
-    out.sequence = sequence_;
-    out.time_s = static_cast<double>(sequence_++) / rate_hz;
-    for (sensing::DepthFrame& frame : out.frames)
-      frame.time_s = out.time_s;
-    return true;
+  RehearsedFinger(const CameraTouches& touches, double off_m, std::uint64_t seed)
+      : touches_(&touches), off_m_(off_m), seed_(seed) {}
+  Transform operator()(double /*time_s*/) {
+    const std::optional<Vec3> focus = touches_->focus();
+    return glm::translate(Transform(1.0), focus ? *focus + off_at(*focus) : Vec3(0, 100, 0));
   }
 
  private:
-  static constexpr double rate_hz = 90;
   /// The same for one focus at all times.
   Vec3 off_at(const Vec3& focus) {
     if (focus != at_) {
@@ -145,11 +131,9 @@ class RehearsedTouch final : public sensing::DepthSource {
     return off_;
   }
 
-  sensing::SyntheticRig rig_;
-  geometry::Mesh finger_;
   const CameraTouches* touches_;
   double off_m_;
-  std::uint64_t seed_, sequence_ = 0, foci_ = 0;
+  std::uint64_t seed_, foci_ = 0;
   Vec3 at_{std::numeric_limits<double>::infinity()}, off_{0};
 };
 
@@ -208,7 +192,14 @@ session::SourceKind CameraTouches::rehearsal(double off_m, bool noise) {
   return {.name = "synthetic",
           .help = "synthetic: a simulated finger that touches each focus",
           .open = [this, off_m, noise](const std::string&, const session::SourceSetting& setting) {
-            return std::make_unique<RehearsedTouch>(setting, *this, off_m, noise);
+            sensing::SyntheticOptions options;
+            options.noise = noise ? sensing::Noise::d415 : sensing::Noise::none;
+            options.seed = setting.seed;
+            options.paced = setting.paced;
+            options.motion = RehearsedFinger(*this, off_m, setting.seed);
+            options.skin_name = find_asset("finger.ply");
+            return sensing::make_synthetic_source(setting.cameras, session::load_skin(options.skin_name),
+                                                  setting.occluders, options);
           }};
 }
 
@@ -231,6 +222,9 @@ void CameraTouches::begin(std::vector<sensing::Camera> cameras) {
   cameras_ = std::move(cameras);
   rays_.clear();
   learning_.clear();
+  learned_frames_ = 0;
+  learned_ = false;
+  recent_.clear();
   for (sensing::Camera& camera : cameras_) {
     sensing::see_all(camera);
     rays_.push_back(sensing::make_rays(std::span(&camera, 1)));
@@ -301,6 +295,11 @@ std::string CameraTouches::take(double time_s) {
   recent_.clear();
   on_its_way_ = true;
   return {};
+}
+
+std::size_t CameraTouches::touched() const {
+  const std::lock_guard lock(mutex_);
+  return touches_.size();
 }
 
 std::string CameraTouches::line() const {

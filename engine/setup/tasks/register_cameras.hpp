@@ -86,8 +86,10 @@ class CameraTouches final : public TouchSteps {
   bool complete() const override;
   /// The current focus; nullopt while the background is learned.
   std::optional<Vec3> focus() const;
+  /// How many foci were touched.
+  std::size_t touched() const;
 
-  /// The cameras' frames.
+  /// The cameras' frames. Another run of the same touches looks at the empty place again.
   void begin(std::vector<sensing::Camera> cameras);
   void see(const sensing::FrameSet& set);
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "array/layouts/changes.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
 #include "base/files/json_writer.hpp"
@@ -17,6 +18,7 @@
 #include "session/previews/ear_sound.hpp"
 #include "session/previews/foci_pressures.hpp"
 #include "session/watch/pressure_log.hpp"
+#include "setup/options/board_play.hpp"
 #include "setup/options/warnings.hpp"
 #include "setup/sessions/frames.hpp"
 #include "setup/sessions/load.hpp"
@@ -71,6 +73,22 @@ TouchArray load_array(const TouchTask& o, std::span<const geometry::Solid> solid
   return array;
 }
 
+TouchTask as_boards_play(TouchTask task) {
+  take_play_of_boards(task.touch, load_posed_layout(task.array.layout), task.heard.steps, task.own_method != nullptr);
+  return task;
+}
+
+/// As the boards' link does.
+void warn_of_fewer_steps(const TouchTask& options, const session::Session& session) {
+  const array::Layout& layout = session.setting().layout;
+  const std::string why =
+      array::why_fewer_steps(array::board_type_of(layout), {.slot_s = session.scheduler().slot_s(),
+                                                            .boards_of_bus = layout.boards.size(),
+                                                            .steps = options.heard.steps == Steps::on,
+                                                            .nulls = session.setting().drive.nulls != nullptr});
+  if (!why.empty()) log::warning("--audible: " + why);
+}
+
 session::EarDrives ear_drives_of(const TouchTask& options, const session::Session& session) {
   return session::ear_drives(session.plan(), session.setting(), options.heard.steps == Steps::on);
 }
@@ -96,8 +114,9 @@ std::string wav_of(const TouchTask& options, const session::Session& session, do
   return wav;
 }
 
-TouchResult touch_scene(const TouchTask& options, const std::string& scene, std::vector<geometry::Solid> solids,
+TouchResult touch_scene(const TouchTask& asked, const std::string& scene, std::vector<geometry::Solid> solids,
                         const TouchInput& skin, Stopwatch since) {
+  const TouchTask options = asked.heard.audible ? as_boards_play(asked) : asked;
   Stopwatch whole = since;
   StepTimes times;
   TouchArray array = load_array(options, solids);
@@ -112,7 +131,10 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
   values.points = skin.point_count;
   if (options.felt.spectrum) values.spectra = spectra_of(session);
   if (!options.array.layout.empty()) values.pressures = session::foci_pressures(session.plan(), session.setting());
-  if (options.heard.audible) values.ear = ear_of(options, session);
+  if (options.heard.audible) {
+    warn_of_fewer_steps(options, session);
+    values.ear = ear_of(options, session);
+  }
   result.unreached = session::unreached(session.schedule(), session.solid_names());
   values.computed = used_backend(options.compute);
   values.total_ms = whole.lap_ms();

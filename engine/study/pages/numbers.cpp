@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "base/text.hpp"
+
 namespace palpa::study {
 
 std::string shown(double value) {
@@ -24,6 +26,14 @@ std::string shown_p(double p) {
 
 std::string shown(const std::optional<Correlation>& correlation) {
   return correlation ? fmt::format("r = {} ({})", shown(correlation->r), shown_p(correlation->p)) : no_value;
+}
+
+std::string number_cell(const std::optional<double>& value) {
+  return value ? fmt::format("{:.10g}", *value) : std::string();
+}
+
+std::string name_cell(const std::string& name) {
+  return csv_cell(printable(name));
 }
 
 }  // namespace palpa::study

@@ -1,4 +1,4 @@
-// Numbers as they stand in the reports for people. JSON and CSV have more digits.
+// Numbers as they stand in the reports for people, and cells of CSV. JSON and CSV have more digits.
 #pragma once
 
 #include <optional>
@@ -20,5 +20,12 @@ std::string shown(const std::optional<Interval>& interval);
 std::string shown_p(double p);
 /// "r = 0.867 (p = 0.00117)".
 std::string shown(const std::optional<Correlation>& correlation);
+
+// ---- CSV
+
+/// Ten digits; empty without a value.
+std::string number_cell(const std::optional<double>& value);
+/// A name that cannot break the table: printable, and quoted if necessary.
+std::string name_cell(const std::string& name);
 
 }  // namespace palpa::study

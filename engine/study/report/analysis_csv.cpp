@@ -2,8 +2,8 @@
 
 #include <iterator>
 
-#include "study/pages/csv.hpp"
-#include "study/report/analysis_reports.hpp"
+#include "study/pages/numbers.hpp"
+#include "study/report/reports.hpp"
 
 namespace palpa::study {
 

@@ -8,10 +8,10 @@
 #include "base/text.hpp"
 #include "study/pages/html.hpp"
 #include "study/pages/numbers.hpp"
-#include "study/report/analysis_reports.hpp"
 #include "study/report/excluded.hpp"
 #include "study/report/figures.hpp"
 #include "study/report/measures_text.hpp"
+#include "study/report/reports.hpp"
 #include "study/statistics/paired.hpp"
 
 namespace palpa::study {

@@ -4,7 +4,7 @@
 
 #include "study/files/results_file.hpp"
 #include "study/pages/measures_json.hpp"
-#include "study/report/analysis_reports.hpp"
+#include "study/report/reports.hpp"
 #include "study/statistics/paired.hpp"
 
 namespace palpa::study {

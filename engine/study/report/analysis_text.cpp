@@ -4,9 +4,9 @@
 
 #include "base/text.hpp"
 #include "study/pages/numbers.hpp"
-#include "study/report/analysis_reports.hpp"
 #include "study/report/excluded.hpp"
 #include "study/report/measures_text.hpp"
+#include "study/report/reports.hpp"
 
 namespace palpa::study {
 

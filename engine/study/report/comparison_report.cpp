@@ -1,4 +1,4 @@
-#include "study/report/comparison_report.hpp"
+#include "study/report/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include "base/files/json_writer.hpp"
 #include "base/text.hpp"
 #include "study/files/results_file.hpp"
-#include "study/pages/csv.hpp"
 #include "study/pages/html.hpp"
 #include "study/pages/measures_json.hpp"
 #include "study/pages/numbers.hpp"

@@ -1,4 +1,4 @@
-#include "study/report/power_report.hpp"
+#include "study/report/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 
 #include "base/files/json_writer.hpp"
 #include "base/text.hpp"
-#include "study/pages/csv.hpp"
 #include "study/pages/html.hpp"
 #include "study/pages/measures_json.hpp"
 #include "study/pages/numbers.hpp"
@@ -53,7 +52,7 @@ std::string power_text(const PowerSetting& setting, const PowerResult& result,
                    shown(std::optional(row.interval)));
   }
   text += fmt::format("\n{}\n", answer_line(setting, result));
-  if (!others.empty()) text += std::string(why_others) + "\n";
+  if (!others.empty()) text += fmt::format("{}\n", why_others);
   for (const OtherCorrelation& other : others)
     text += fmt::format("  {}\n", other_line(setting, other));
   return text;

@@ -15,7 +15,7 @@
 #include "acoustics/field/pressure.hpp"
 #include "array/drive.hpp"
 #include "array/field/directivity.hpp"
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
 #include "array/requested_play.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"

@@ -59,7 +59,7 @@ inline constexpr double impossible_reading_db = 20;
 /// A study plays with Constraint::normalise, so the drives are those of gs_pat with that constraint: the loudest have
 /// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
 /// boards without amplitudes. Then all transducers are at the ceiling. Boards play the amplitudes that they have
-/// (array/layouts/played.hpp). A reading at another ceiling counts with the difference of the two predictions.
+/// (array/layouts/board_play.hpp). A reading at another ceiling counts with the difference of the two predictions.
 EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr);
 
 /// Throws bad_usage if the boards of a method's layout would be silent at the plan's ceiling, at the ceiling of its

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "array/drive.hpp"
-#include "array/layouts/played.hpp"
+#include "array/layouts/board_play.hpp"
+#include "array/layouts/board_types.hpp"
+#include "array/layouts/changes.hpp"
 #include "array/schedule.hpp"
 #include "geometry/haptics.hpp"
 
@@ -39,18 +40,17 @@ array::Voice voice_of(const PlanMethod& method, std::span<const Box> objects, do
 
 acoustics::EarLevel level_of(const PlanMethod& method, const StudyPlan& plan, std::span<const Box> objects,
                              const array::Layout& layout) {
-  const std::string type = layout.boards.empty() ? "" : layout.boards.front().type;
+  const array::BoardType* const type = array::board_type_of(layout);
   const bool still = touch::stands_still(method.method);
-  constexpr double longest_s = 0.1;
-  const double parts = still ? 1 : method.foci;
-  double slot_s = std::min(method.dwell_s, longest_s / parts);
-  if (still && type == "autd3") slot_s = std::min(slot_s, 0.25e-3);  // a modulation by its own clock
+  double slot_s = method.dwell_s;
+  if (still && type != nullptr && type->modulation_slot_s > 0) slot_s = std::min(slot_s, type->modulation_slot_s);
   array::Schedule schedule;
   schedule.slot_s = slot_s;
   schedule.add_voice() = voice_of(method, objects, slot_s);
   const auto cycle = static_cast<double>(still ? 1 : schedule.voices[0].order.size());
   double slots = cycle;
-  for (double more = cycle; still && more * slot_s <= longest_s; more += cycle) {
+  const double most = 0.1 / std::min(slot_s, acoustics::longest_change_s);
+  for (double more = cycle; still && more <= most; more += cycle) {
     slots = more;
     const double turns = more * slot_s * method.modulation_hz;
     if (std::abs(turns - std::round(turns)) < 1e-6) break;
@@ -75,8 +75,8 @@ acoustics::EarLevel level_of(const PlanMethod& method, const StudyPlan& plan, st
     boards.round(drive, plan.level.ceiling);
     drives.insert(drives.end(), drive.begin(), drive.end());
   }
-  return acoustics::ear_level(
-      {drives, layout.transducers.size(), slot_s, acoustics::changes_of(type, slot_s, true, false)}, ear);
+  const array::Changes changes = array::changes_of(type, {.slot_s = slot_s, .boards_of_bus = layout.boards.size()});
+  return acoustics::ear_level({drives, layout.transducers.size(), slot_s, changes}, ear);
 }
 
 }  // namespace

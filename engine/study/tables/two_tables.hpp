@@ -1,7 +1,7 @@
 // How much two confusion matrices of the same shapes differ.
 //
 // The tests assume that all trials are independent. Trials of one person are not, so these values only describe a
-// difference. Whether people differ is tested over people (study/between_methods.hpp).
+// difference. Whether people differ is tested over people (study/analysis.hpp).
 #pragma once
 
 #include <optional>

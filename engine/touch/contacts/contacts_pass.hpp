@@ -16,7 +16,7 @@
 
 namespace palpa::touch {
 
-/// The scene's surfaces on the device, with texel views (surface_memory.hpp).
+/// The scene's surfaces on the device, with texel views (solids_memory.hpp).
 struct SurfaceBindings {
   gpu::BufferRef cells;      ///< shader::SurfaceCell[], R32G32_UINT
   gpu::BufferRef runs;       ///< uint[], R32_UINT

@@ -32,7 +32,7 @@ struct Claims {
     const WhichKnown k = of[f] ? of[f] : known_nearby(known, finger.solid, skin.samples);
     if (!k || !heir[*k] || heir[*k] == f) return false;
     const bool same = of[f] == k && !skin.samples.empty();
-    return small_beside(finger.contact_count, known.table->fingers[*k].course.fall.contacts, same);
+    return small_beside(finger.contact_count, known.table->fingers[*k].continuation.fall.contacts, same);
   }
 };
 
@@ -97,8 +97,9 @@ struct Admission {
   bool is_finger(std::uint32_t f) {
     const Finger& finger = touch.fingers[f];
     const WhichKnown claimed = claims.of[f];
-    const bool goes_on = known.rules.few && claims.is_heir(f) &&
-                         !next_fall(known.table->fingers[*claimed].course.fall, contacts_in_shell(touch, finger)).falls;
+    const bool goes_on =
+        known.rules.few && claims.is_heir(f) &&
+        !next_fall(known.table->fingers[*claimed].continuation.fall, contacts_in_shell(touch, finger)).falls;
     if (finger.contact_count < least_contacts(parameters.min_points, goes_on)) return false;
     const bool faint = !claimed && small_alone(finger.contact_count, parameters.min_points);
     const bool again = known.rules.again && !claimed && hovers(finger, skins[f]);
@@ -177,8 +178,8 @@ void remember_missing(const Claims& claims, const PerFinger& stays, const Touch&
 
 }  // namespace
 
-Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, KnownFingers& table,
-                      Touch& out, FingerSkins& skins) {
+Continuations admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known,
+                            KnownFingers& table, Touch& out, FingerSkins& skins) {
   Admission admission{parameters, known, out, skins};
   const Claims& claims = admission.claims;
   admission.remember_ended();
@@ -189,7 +190,7 @@ Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const
   if (known.table) remember_missing(claims, stays, out, table, admission.ended);
   const PerFinger grows = known.rules.whole ? give_to_heirs(admission, stays, out) : PerFinger{};
 
-  Courses courses{};
+  Continuations continuations{};
   std::uint32_t kept = 0;
   for (std::uint32_t f = 0; f < out.finger_count; ++f) {
     if (!stays[f]) continue;
@@ -199,7 +200,7 @@ Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const
       finger.contact_count = static_cast<std::uint32_t>(finger.contacts.size());
       skins[f] = look_at(sight, known, out, finger);
     }
-    if (claims.of[f]) courses[kept] = next_course(table.fingers[*claims.of[f]], known.elapsed_us);
+    if (claims.of[f]) continuations[kept] = next_continuation(table.fingers[*claims.of[f]], known.elapsed_us);
     if (kept != f) {
       std::swap(out.fingers[kept], finger);
       skins[kept] = skins[f];
@@ -212,7 +213,7 @@ Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const
   table.islands = admission.islands;
   for (KnownFinger& finger : table.fingers)
     finger.doubt = {};
-  return courses;
+  return continuations;
 }
 
 }  // namespace palpa::touch

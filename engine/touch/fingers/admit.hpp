@@ -19,12 +19,12 @@
 namespace palpa::touch {
 
 /// What goes on from the fingers of the frame before in each finger that stays.
-using Courses = std::array<Course, max_fingers>;
+using Continuations = std::array<Continuation, max_fingers>;
 
 /// Removes the clusters of `out`, and their `skins`, that are no fingers. Writes the frame's islands and the fingers
 /// that have ended to `table`, to which `known` also refers unless there are no known fingers. Ends the doubts of the
 /// table.
-Courses admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, KnownFingers& table,
-                      Touch& out, FingerSkins& skins);
+Continuations admit_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known,
+                            KnownFingers& table, Touch& out, FingerSkins& skins);
 
 }  // namespace palpa::touch

@@ -19,7 +19,7 @@ Fingers::Fingers(const StageSetting& setting, std::span<const sensing::Camera> c
       cameras_(sight_cameras(cameras, tables)),
       skins_(max_fingers) {
   if (setting.follow) tracks_.emplace();
-  if (setting.glides()) homes_.emplace();
+  if (setting.glides()) glide_memory_.emplace();
   if (setting.knows(!cameras.empty())) known_ = std::make_unique<KnownFingers>();
 }
 
@@ -34,7 +34,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOpti
   PassWatch watch(times);
   const bool cameras = !cameras_.empty();
   const Sight sight{cameras_, tables_, images};
-  Courses courses{};
+  Continuations continuations{};
   if (setting_.looks_again(cameras)) {
     const Known known{elapsed_us_.value_or(0), known_ ? setting_.rules : no_rules, has_before_ ? known_.get() : nullptr,
                       static_cast<float>(parameters.finger_width_m)};
@@ -43,7 +43,7 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOpti
     bridge_fingers(sight, parameters, known, out, skins_);
     watch.mark("bridge");
     if (known_) {
-      courses = admit_fingers(sight, parameters, known, *known_, out, skins_);
+      continuations = admit_fingers(sight, parameters, known, *known_, out, skins_);
       watch.mark("admit");
     }
   }
@@ -54,13 +54,13 @@ void Fingers::find(std::span<const sensing::DepthFrame> images, const FingerOpti
     watch.mark("follow");
   }
   if (known_) {
-    keep_fingers(skins_, parameters, *tracks_, courses, setting_.rules, out, *known_);
+    keep_fingers(skins_, parameters, *tracks_, continuations, setting_.rules, out, *known_);
     watch.mark("keep");
   }
   find_foci(parameters, solids_.foci_of, out);
   watch.mark("foci");
-  if (homes_) {
-    glide_foci(*tracks_, *homes_, out);
+  if (glide_memory_) {
+    glide_foci(*tracks_, *glide_memory_, out);
     watch.mark("glide");
   }
   if (known_) leave_out_beyond(out, places_);

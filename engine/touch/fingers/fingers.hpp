@@ -65,7 +65,7 @@ class Fingers {
   StageSetting setting_;
   std::vector<SightCamera> cameras_;
   std::optional<Tracks> tracks_;
-  std::optional<Homes> homes_;
+  std::optional<GlideMemory> glide_memory_;
   std::unique_ptr<KnownFingers> known_;      // the fingers of the frame before; null unless they decide
   std::optional<std::uint32_t> elapsed_us_;  // from the frame before to this one
   bool has_before_ = false;                  // whether `known_` is of the frame before

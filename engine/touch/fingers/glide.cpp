@@ -93,9 +93,9 @@ void glide_finger(const Track& track, GlidingFoci& home, Finger& finger) {
 
 }  // namespace
 
-void glide_foci(const Tracks& tracks, Homes& homes, Touch& touch) {
+void glide_foci(const Tracks& tracks, GlideMemory& memory, Touch& touch) {
   for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    glide_finger(tracks.tracks[f], homes.homes[tracks.tracks[f].home], touch.fingers[f]);
+    glide_finger(tracks.tracks[f], memory.foci[tracks.tracks[f].home], touch.fingers[f]);
 }
 
 }  // namespace palpa::touch

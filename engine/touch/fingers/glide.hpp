@@ -25,13 +25,13 @@ struct GlidingFoci {
   InplaceVector<GlidingFocus, max_foci> foci;
 };
 
-/// One for each home of a track. One object for each stream of frames.
-struct Homes {
-  std::vector<GlidingFoci> homes{Tracks::most};
+/// The foci by the home of their track. One object for each stream of frames.
+struct GlideMemory {
+  std::vector<GlidingFoci> foci{Tracks::most};
 };
 
 /// `tracks` are the result of follow_fingers() for this frame, and the foci are the result of
 /// find_foci(). Each focus gets the place where it is played. Allocates nothing.
-void glide_foci(const Tracks& tracks, Homes& homes, Touch& touch);
+void glide_foci(const Tracks& tracks, GlideMemory& memory, Touch& touch);
 
 }  // namespace palpa::touch

@@ -55,7 +55,7 @@ void keep_insides(const SkinSamples& samples, const glm::vec3& first_contact, fl
 }  // namespace
 
 void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, const Tracks& tracks,
-                  const Courses& courses, const HysteresisRules& rules, Touch& touch, KnownFingers& table) {
+                  const Continuations& continuations, const HysteresisRules& rules, Touch& touch, KnownFingers& table) {
   table.count = touch.finger_count;
   table.reach.count = 0;
   for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
@@ -63,9 +63,10 @@ void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, con
     const SkinSamples& samples = skins[f].samples;
     const std::uint32_t in_shell = contacts_in_shell(touch, finger);
     KnownFinger& kept = table.fingers[f];
-    kept = {.solid = finger.solid, .velocity = tracks.tracks[f].velocity, .insides = {}, .course = courses[f]};
-    kept.course.fall = rules.falling ? next_fall(courses[f].fall, in_shell) : Fall{.contacts = in_shell};
-    const bool falls = kept.course.fall.falls;
+    kept = {
+        .solid = finger.solid, .velocity = tracks.tracks[f].velocity, .insides = {}, .continuation = continuations[f]};
+    kept.continuation.fall = rules.falling ? next_fall(continuations[f].fall, in_shell) : Fall{.contacts = in_shell};
+    const bool falls = kept.continuation.fall.falls;
     finger.holds = rules.few && !falls;
     finger.inward = inward_of(samples);
     if (rules.edges && !falls && starves(in_shell, parameters.min_points) && !samples.empty())

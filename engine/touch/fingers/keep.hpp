@@ -13,10 +13,10 @@
 namespace palpa::touch {
 
 /// The fingers of `touch`, whose skin is given, become the known fingers. Sets Finger::holds.
-/// `tracks` are those of this frame, the fingers' first; `courses` come from admit_fingers(). The islands of the table
-/// stay.
+/// `tracks` are those of this frame, the fingers' first; `continuations` come from admit_fingers(). The islands of the
+/// table stay.
 void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, const Tracks& tracks,
-                  const Courses& courses, const HysteresisRules& rules, Touch& touch, KnownFingers& table);
+                  const Continuations& continuations, const HysteresisRules& rules, Touch& touch, KnownFingers& table);
 
 /// Removes the contacts that are beyond the shell's edges from the touch and from its fingers. `scratch` keeps its
 /// storage.

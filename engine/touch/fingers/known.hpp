@@ -37,7 +37,7 @@ struct Doubt {
 };
 
 /// What goes on from frame to frame in a finger.
-struct Course {
+struct Continuation {
   std::optional<std::uint32_t> parting_us{};  ///< since it last looked like several fingers; nothing: never
   std::uint32_t meeting_us = 0;               ///< for how long it has looked like one with another
   Fall fall{};
@@ -50,7 +50,7 @@ struct KnownFinger {
   /// inside_of() each of its samples; without samples, the place of its first contact. And their box.
   InplaceVector<glm::vec3, most_samples> insides;
   glm::vec3 low{}, high{};
-  Course course;
+  Continuation continuation;
   Doubt doubt;  ///< of this frame
 };
 
@@ -104,16 +104,16 @@ inline constexpr std::uint32_t parting_us_most = 100000;
 /// Two known fingers become one if they have looked like one in every frame for this time.
 inline constexpr std::uint32_t meeting_us_least = 50000;
 
-inline bool may_part(const Course& course, std::uint32_t elapsed_us) {
-  return course.parting_us && us_after(*course.parting_us, elapsed_us) <= parting_us_most;
+inline bool may_part(const Continuation& continuation, std::uint32_t elapsed_us) {
+  return continuation.parting_us && us_after(*continuation.parting_us, elapsed_us) <= parting_us_most;
 }
-inline bool may_meet(const Course& course, std::uint32_t elapsed_us) {
-  return us_after(course.meeting_us, elapsed_us) >= meeting_us_least;
+inline bool may_meet(const Continuation& continuation, std::uint32_t elapsed_us) {
+  return us_after(continuation.meeting_us, elapsed_us) >= meeting_us_least;
 }
 
 /// After this frame; its contacts do not count yet.
-inline Course next_course(const KnownFinger& finger, std::uint32_t elapsed_us) {
-  Course next = finger.course;
+inline Continuation next_continuation(const KnownFinger& finger, std::uint32_t elapsed_us) {
+  Continuation next = finger.continuation;
   if (next.parting_us) next.parting_us = us_after(*next.parting_us, elapsed_us);
   if (finger.doubt.several) next.parting_us = 0;
   next.meeting_us = finger.doubt.apart ? us_after(next.meeting_us, elapsed_us) : 0;

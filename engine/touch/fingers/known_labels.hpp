@@ -18,8 +18,8 @@ struct Known {
   KnownFingers* table = nullptr;  ///< null: there are none; only their doubts change before admit_fingers()
   float finger_width = 0;         ///< metres
 
-  bool may_part(std::uint32_t finger) const { return touch::may_part(table->fingers[finger].course, elapsed_us); }
-  bool may_meet(std::uint32_t finger) const { return touch::may_meet(table->fingers[finger].course, elapsed_us); }
+  bool may_part(std::uint32_t finger) const { return touch::may_part(table->fingers[finger].continuation, elapsed_us); }
+  bool may_meet(std::uint32_t finger) const { return touch::may_meet(table->fingers[finger].continuation, elapsed_us); }
   void doubt(std::uint32_t finger, const Doubt& what) const { table->fingers[finger].doubt.add(what); }
 };
 

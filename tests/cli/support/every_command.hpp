@@ -31,6 +31,8 @@ class QuickLines {
   QuickLines();
   /// Fails the test if a command has none.
   std::vector<std::string> of(const std::string& command) const;
+  /// Where the input files are, and the files that the lines write. What palpa keeps is in its folder "cache".
+  const std::filesystem::path& folder() const { return folder_; }
 
  private:
   std::filesystem::path folder_;

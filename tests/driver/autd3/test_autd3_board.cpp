@@ -16,7 +16,8 @@
 #include <tuple>
 #include <vector>
 
-#include "acoustics/audible.hpp"
+#include "array/layouts/board_types.hpp"
+#include "array/layouts/changes.hpp"
 #include "autd3_rig.hpp"
 #include "base/system/descriptor.hpp"
 #include "base/system/now.hpp"
@@ -93,7 +94,8 @@ TEST(Autd3Board, PhasesChangeDuringTheWholeSlotAndNoLonger) {
         EXPECT_EQ(rig.server.devices()[0].intensity_steps(), nulls ? 1 : intensity) << slot_s;
         EXPECT_EQ(rig.server.violation_count(), 0u);
       }
-      const acoustics::Changes model = acoustics::changes_of("autd3", slot_s, true, nulls);
+      const array::Changes model =
+          array::changes_of(array::find_board_type("autd3"), {.slot_s = slot_s, .nulls = nulls});
       EXPECT_EQ(model.phase_steps, nulls ? 1 : phase) << "what --audible assumes";
       EXPECT_EQ(model.amplitude_steps, nulls ? 1 : intensity);
       board->all_off();

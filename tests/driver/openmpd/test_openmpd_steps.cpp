@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "acoustics/audible.hpp"
+#include "array/layouts/board_types.hpp"
+#include "array/layouts/changes.hpp"
 #include "driver/openmpd/openmpd_rig.hpp"
 #include "support/thrown.hpp"
 
@@ -79,7 +80,7 @@ TEST(OpenMpdSteps, TakeTheSlotButForItsLastStepByTheShorterWay) {
     EXPECT_EQ(rig.board->counts().completed.drives, 11u) << "a drive of several steps is one";
     EXPECT_EQ(rig.violations(), "");
     EXPECT_TRUE(rig.notes.warnings.empty());
-    const acoustics::Changes model = acoustics::changes_of("openmpd", slot_s, true, false);
+    const array::Changes model = array::changes_of(array::find_board_type("openmpd"), {.slot_s = slot_s});
     EXPECT_EQ(model.phase_steps, steps) << "what --audible assumes";
     EXPECT_EQ(model.amplitude_steps, steps);
     EXPECT_EQ(model.step_periods, 4u);

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/layouts/board_types.hpp"
 #include "base/system/now.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
@@ -46,6 +47,11 @@ std::vector<std::uint8_t> filled(std::uint8_t byte) {
   std::vector<std::uint8_t> frame(257, byte);
   frame[0] = 254;
   return frame;
+}
+
+TEST(SonicSurfaceWire, TakesAsLongAsItsRecordSays) {
+  for (const std::size_t boards : {1UL, 2UL})
+    EXPECT_DOUBLE_EQ(array::find_board_type("sonicsurface")->moving_slot_s(boards), seconds_of(frame_size(boards)));
 }
 
 TEST(SonicSurfaceWire, EachTransducerGetsItsPhase) {

@@ -45,7 +45,7 @@ class Frames {
     const Known known{frame_us, rules, has_before_ ? table_.get() : nullptr, width_m};
     for (std::uint32_t f = 0; f < touch_.finger_count; ++f)
       skins_[f] = look_at(sight, known, touch_, touch_.fingers[f]);
-    const Courses courses = admit_fingers(sight, parameters_, known, *table_, touch_, skins_);
+    const Continuations continuations = admit_fingers(sight, parameters_, known, *table_, touch_, skins_);
     std::vector<std::uint32_t> contacts;
     table_->count = touch_.finger_count;
     for (std::uint32_t f = 0; f < touch_.finger_count; ++f) {
@@ -53,7 +53,7 @@ class Frames {
       EXPECT_EQ(finger.contact_count, finger.contacts.size());
       contacts.push_back(finger.contact_count);
       KnownFinger& kept = table_->fingers[f];
-      kept = {.insides = {}, .course = {.fall = next_fall(courses[f].fall, finger.contact_count)}};
+      kept = {.insides = {}, .continuation = {.fall = next_fall(continuations[f].fall, finger.contact_count)}};
       for (const SkinSample& sample : skins_[f].samples) {
         const glm::vec3 inside = inside_of(sample, width_m);
         kept.low = kept.insides.empty() ? inside : glm::min(kept.low, inside);

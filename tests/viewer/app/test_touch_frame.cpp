@@ -81,6 +81,16 @@ TEST_F(LiveApp, AFrameIsKeptUntilItsSoundIsComputed) {
   EXPECT_FALSE(app_->data().state.slice_handles) << "nobody is there to take them";
 }
 
+TEST_F(LiveApp, SkinPointsAreThoseNearTheObjectsInASingleTouchToo) {
+  make(options_of({{"--scene", {scene_}},
+                   {"--depth", {test::source_file("assets/depth/hand.png")}},
+                   {"--camera", {test::source_file("assets/depth/camera.toml")}},
+                   {"--backend", {"cpu"}}}));
+  const Picture& picture = app_->picture();
+  EXPECT_GT(picture.contacts.size(), 50u);
+  EXPECT_EQ(picture.skin_count, picture.skin_points.size() + picture.contacts.size()) << "and not all of the room";
+}
+
 TEST_F(LiveApp, APictureSaysHowFarTheSkinIsFromTheObject) {
   begin("mouse");
   ASSERT_TRUE(comes_to(LiveState::running));
