@@ -14,7 +14,8 @@ class Wire:
 
     def __init__(self, fifo):
         self.last_sound = 0.0  # on CLOCK_MONOTONIC, as all times here
-        self.late, self.doing = [], None  # seconds after a cause, and during which fault; nothing counts before the first
+        self.late = []  # seconds after a cause, and during which fault
+        self.doing = None  # the fault; nothing counts before the first
         self.begin = math.inf  # of the trace's times, at the latest: no line is read before it is written
         self.cause = 0.0  # when sound last had a reason: the newest frame with a touch was sent
         self.deaf_until = 0.0  # the emulator was held up: what it reads then is old

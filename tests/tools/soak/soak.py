@@ -3,12 +3,13 @@
 
     /usr/bin/python3 tests/tools/soak/soak.py build/release/bin [MINUTES [SEED [tracker|cameras]]]
 
-Without a seed, palpa's default run: a synthetic hand and depth cameras. With one, faults at random, half the time with a tracker's hands,
-half with three depth cameras (or with one of both alone): frames that are late, missing, empty or broken, frames that stop, cameras that
-come and go, ten or twenty fingers at once, floods of OSC messages, a scene that is saved again, another model, a board that is held up,
-pulled and put back. Prints memory, files and threads as they are, and at the end the frames, slots and how late drives left. Fails if
-memory grows by more than 1 MB after the first minute (with faults, after half the time), if files or threads become more, if anything sounds later than the hold and 20 ms
-after its cause is gone, if an undisturbed touch has no event, or if palpa fails.
+Without a seed, palpa's default run: a synthetic hand and depth cameras. With one, faults at random, half the time with
+a tracker's hands, half with three depth cameras (or with one of both alone): frames that are late, missing, empty or
+broken, frames that stop, cameras that come and go, ten or twenty fingers at once, floods of OSC messages, a scene that
+is saved again, another model, a board that is held up, pulled and put back. Prints memory, files and threads as they
+are, and at the end the frames, slots and how late drives left. Fails if memory grows by more than 1 MB after the first
+minute (with faults, after half the time), if files or threads become more, if anything sounds later than the hold and
+20 ms after its cause is gone, if an undisturbed touch has no event, or if palpa fails.
 """
 import json
 import os
@@ -31,7 +32,8 @@ SOURCES = {"tracker": (faults.Tracker, "palpa", "joints:udp:{}"), "cameras": (fa
 def state(process):
     folder = Path(f"/proc/{process}")
     status = dict(line.split(":", 1) for line in (folder / "status").read_text().splitlines())
-    return {"kb": int(status["RssAnon"].split()[0]), "files": len(list((folder / "fd").iterdir())), "threads": int(status["Threads"])}
+    return {"kb": int(status["RssAnon"].split()[0]), "files": len(list((folder / "fd").iterdir())),
+            "threads": int(status["Threads"])}
 
 
 def guard_of(process):
@@ -62,7 +64,7 @@ def watch(run, until, minutes, series):
 
 def live_run(programs, minutes, seed, source):
     """Its result, how it ended, what it said, its events, its state over time, and its faults; none without a seed."""
-    # Sockets of a session are in memory, as is usual for XDG_RUNTIME_DIR: those who look for a board must not wait for a disk.
+    # In memory, as XDG_RUNTIME_DIR usually is. A search for boards must not wait for a disk.
     with tempfile.TemporaryDirectory(dir="/dev/shm") as name:
         folder = Path(name)
         # Memory is filled when it is taken. Otherwise it would come page by page, and look like a leak.
@@ -72,14 +74,16 @@ def live_run(programs, minutes, seed, source):
         scene.write_bytes(faults.scene_of("cube", kind.scale if kind else 1))
         emulator = Emulator(str(programs / "palpa"), folder, environment, kind is not None)
         emulator.start()
-        line = [str(programs / program), "run", "--scene", str(scene), "--layout", "openmpd", "--link", "openmpd:EMU1", "--json", "-",
-                "--events", str(folder / "events")]
+        line = [str(programs / program), "run", "--scene", str(scene), "--layout", "openmpd", "--link", "openmpd:EMU1",
+                "--json", "-", "--events", str(folder / "events")]
         if kind:
-            line += ["--source", spec.format(port), "--osc", str(messages), "--reload", "--steps", "off", "--predict", "off"]
+            line += ["--source", spec.format(port), "--osc", str(messages), "--reload", "--steps", "off",
+                     "--predict", "off"]
         if kind is faults.Cameras:
             (folder / "rig.toml").write_text(faults.rig_of_cameras())
             line += ["--rig", str(folder / "rig.toml")]
-        run = subprocess.Popen(line, env=environment, stdout=subprocess.PIPE, stderr=open(folder / "said", "w"), text=True)
+        run = subprocess.Popen(line, env=environment, stdout=subprocess.PIPE, stderr=open(folder / "said", "w"),
+                               text=True)
         series, done = [], None
         try:
             if kind is None:
@@ -125,7 +129,8 @@ def faulty(done, events, fingers):
     if late:
         most, doing = max(late)
         yield f"{len(late)} times, something sounded too long after its cause, most {most:.3f} s ({doing})"
-    felt = [sum(event["event"] == "touch" and begin <= event["time_s"] <= end for event in events) for begin, end, _ in done.quiet]
+    touched = [event["time_s"] for event in events if event["event"] == "touch"]
+    felt = [sum(begin <= time_s <= end for time_s in touched) for begin, end, _ in done.quiet]
     lost = sum(max(0, touches - found) for found, (_, _, touches) in zip(felt, done.quiet))
     print(f"{sum(touches for _, _, touches in done.quiet)} undisturbed touches, {lost} without an event")
     if lost:
@@ -147,8 +152,9 @@ def soak(programs, minutes, seed=None, source=None):
     if result:
         stats = json.loads(result)
         jitter = stats["timing_ms"]["drive_jitter"]
-        print(f"{stats['frames']['captured']} frames, {stats['frames'].get('replaced', 0)} replaced; {stats['drives']['sent']} slots, "
-              f"{stats['drives']['skipped_slots']} left out; late by p50 {jitter['median']} p99 {jitter['p99']} p99.9 {jitter['p999']} "
+        print(f"{stats['frames']['captured']} frames, {stats['frames'].get('replaced', 0)} replaced; "
+              f"{stats['drives']['sent']} slots, {stats['drives']['skipped_slots']} left out; "
+              f"late by p50 {jitter['median']} p99 {jitter['p99']} p99.9 {jitter['p999']} "
               f"max {jitter['max']} ms; {stats.get('scheduling')}; {stats['hand_over']['drives']}")
         if done is None and sum(one["event"] == "touch" for one in events) < stats["seconds"] // 2 - 1:
             wrong.append("the finger touches every 2 s, but some touches have no event")
