@@ -46,6 +46,7 @@ TEST(Growth, EachAxisIsMeasuredOnHostAndDeviceAndDrawn) {
   for (const bench::GrowthCurve& curve : curves)
     EXPECT_NE(svg.find(">" + curve.name + "<"), std::string::npos);
   EXPECT_NE(svg.find("64 fingers: "), std::string::npos);
+  EXPECT_NE(svg.find(">exponents<"), std::string::npos) << "in the fields that the five panels leave free";
 }
 
 }  // namespace

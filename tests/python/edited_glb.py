@@ -11,4 +11,4 @@ def with_node(glb, **keys):
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     rest = glb[20 + length:]
-    return glb[:8] + struct.pack("<I", 20 + len(text) + len(rest)) + struct.pack("<I", len(text)) + glb[16:20] + text + rest
+    return glb[:8] + struct.pack("<II", 20 + len(text) + len(rest), len(text)) + glb[16:20] + text + rest

@@ -18,7 +18,8 @@ def pointing(depths, x=0.0, side="right"):
     landmarks[0] = [x + 0.02 * outward, TIP_RADIUS - max(depths) + 0.17, 0]
     for finger, depth in enumerate(depths):
         for joint in range(4):
-            landmarks[1 + 4 * finger + joint] = [x + 0.02 * (finger - 1) * outward, TIP_RADIUS - depth + 0.025 * (3 - joint), 0]
+            across, above = 0.02 * (finger - 1) * outward, 0.025 * (3 - joint)
+            landmarks[1 + 4 * finger + joint] = [x + across, TIP_RADIUS - depth + above, 0]
     return landmarks
 
 
@@ -29,4 +30,5 @@ def one_finger(depth):
 
 def hand(depths, x=0.0, side="right"):
     """The same hand as palpa takes it."""
-    return palpa_lines.hand(side, mediapipe_hands.openxr_joints(pointing(depths, x, side)), mediapipe_hands.openxr_radii())
+    joints = mediapipe_hands.openxr_joints(pointing(depths, x, side))
+    return palpa_lines.hand(side, joints, mediapipe_hands.openxr_radii())

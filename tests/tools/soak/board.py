@@ -13,7 +13,10 @@ class Wire:
     """What the board hears, from the emulator's trace."""
 
     def __init__(self, fifo):
-        self.last_sound, self.late = 0.0, []  # on CLOCK_MONOTONIC, as all times here; seconds after a cause
+        self.last_sound = 0.0  # on CLOCK_MONOTONIC, as all times here
+        self.late = []  # seconds after a cause, and during which fault
+        self.doing = None  # the fault; nothing counts before the first
+        self.begin = math.inf  # of the trace's times, at the latest: no line is read before it is written
         self.cause = 0.0  # when sound last had a reason: the newest frame with a touch was sent
         self.deaf_until = 0.0  # the emulator was held up: what it reads then is old
         self.lock = threading.Lock()
@@ -23,44 +26,38 @@ class Wire:
         while True:
             with open(fifo, "rb") as lines:
                 fcntl.fcntl(lines, fcntl.F_SETPIPE_SZ, 1 << 20)  # so that the board need not wait for this thread
-                begin = math.inf  # the trace's times count from when the emulator began: some line is read at once
                 for line in lines:
                     since = float(line[line.find(b":") + 1:line.find(b",")])
-                    begin = min(begin, time.monotonic() - since)
+                    self.begin = min(self.begin, time.monotonic() - since)
                     at = line.find(b'"hex":"')
                     if b'"bulk"' not in line or at < 0:
                         continue
                     payload = line[at + 7:line.rfind(b'"')]
                     if len(payload) < 1024 or payload[-512:].strip(b"0") == b"":
                         continue
-                    when = begin + since
+                    when = self.begin + since
                     with self.lock:
                         self.last_sound = when
-                        if when > max(self.cause + HOLD + GRACE, self.deaf_until):
-                            self.late.append(when - self.cause)
-
-
-def at_once():
-    """A board does not wait for a busy machine: real-time scheduling, where this is allowed."""
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
-    except PermissionError:
-        pass
+                        if self.doing and when > max(self.cause + HOLD + GRACE, self.deaf_until):
+                            self.late.append((when - self.cause, self.doing))
 
 
 class Emulator:
     def __init__(self, palpa, folder, environment, traced):
-        self.palpa, self.environment = palpa, environment
-        self.fifo = folder / "wire" if traced else None
+        self.palpa, self.environment, self.process = palpa, environment, None
+        self.fifo = self.wire = None
         if traced:
+            self.fifo = folder / "wire"
             os.mkfifo(self.fifo)
-        self.process = None
+            self.wire = Wire(self.fifo)
 
     def start(self):
         trace = ["--trace", str(self.fifo)] if self.fifo else []
         self.process = subprocess.Popen([self.palpa, "emulate", "openmpd", "--quiet", *trace], env=self.environment,
-                                        stdout=subprocess.PIPE, text=True, preexec_fn=at_once)
+                                        stdout=subprocess.PIPE, text=True)
         self.process.stdout.readline()
+        if self.wire:
+            self.wire.begin = time.monotonic()
 
     def stop(self):
         self.process.terminate()

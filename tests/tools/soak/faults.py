@@ -22,14 +22,16 @@ def scene_of(name, scale):
 
 
 class Faults:
-    """What any source has. `show(depth, many, fault)` of its kinds sends a frame with one finger, or many, so deep below y = 0;
-    `fault(...)` may send something else instead, and then returns true. `leave()` sends a frame without a finger."""
+    """What any source has. `show(depth, many, fault)` of its kinds sends a frame with one finger, or many, so deep
+    below y = 0; `fault(...)` may send something else instead, and then returns true. `leave()` sends a frame without a
+    finger."""
     scale = 1  # of the scene, across
 
-    def __init__(self, seed, run, emulator, wire, messages, scene):
-        self.random, self.run, self.emulator, self.wire, self.scene = random.Random(seed), run, emulator, wire, scene
+    def __init__(self, seed, run, emulator, messages, scene):
+        self.random, self.run, self.scene = random.Random(seed), run, scene
+        self.emulator, self.wire = emulator, emulator.wire
         self.socket, self.osc = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), ("127.0.0.1", messages)
-        self.touches, self.done, self.first_turn = 0, {}, None
+        self.quiet, self.done, self.first_turn = [], {}, None  # begin, end and touches of what nothing disturbed
 
     def wait(self, until):
         time.sleep(max(0.0, until - time.monotonic()))
@@ -55,8 +57,9 @@ class Faults:
         self.wait(time.monotonic() + 0.3)
 
     def undisturbed(self):
+        begin = time.monotonic()
         self.dips(3.0)
-        self.touches += 3
+        self.quiet.append((begin, time.monotonic(), 3))
 
     def many_fingers(self):
         self.dips(2.0, many=True)
@@ -69,10 +72,13 @@ class Faults:
         def flood(_):
             for _ in range(100):
                 self.socket.sendto(self.random.choice([
-                    message("/palpa/gain", "f", self.random.random()), message("/palpa/pose/cube", "fff", 0, 1e-3 * self.random.random(), 0),
-                    message("/palpa/stiffness/cube", "ff", 0, self.random.random()), message("/nothing", "f", 1), self.random.randbytes(60)]), self.osc)
+                    message("/palpa/gain", "f", self.random.random()),
+                    message("/palpa/pose/cube", "fff", 0, 1e-3 * self.random.random(), 0),
+                    message("/palpa/stiffness/cube", "ff", 0, self.random.random()),
+                    message("/nothing", "f", 1), self.random.randbytes(60)]), self.osc)
         self.dips(1.0, between=flood)
-        for one in (message("/palpa/gain", "f", 1), message("/palpa/pose/cube", "fff", 0, 0, 0), message("/palpa/stiffness/cube", "ff", 0, 1)):
+        for one in (message("/palpa/gain", "f", 1), message("/palpa/pose/cube", "fff", 0, 0, 0),
+                    message("/palpa/stiffness/cube", "ff", 0, 1)):
             self.socket.sendto(one, self.osc)
 
     def muted(self):
@@ -81,7 +87,7 @@ class Faults:
         before = self.wire.last_sound
         self.dips(1.0)
         if self.wire.last_sound != before:
-            self.wire.late.append(self.wire.last_sound - before)
+            self.wire.late.append((self.wire.last_sound - before, "muted"))
         self.socket.sendto(message("/palpa/mute", "f", 0), self.osc)
 
     def reload(self):
@@ -108,8 +114,13 @@ class Faults:
         self.dips(3.0)
 
     def kinds(self):
-        return [self.late, self.missing, self.empty, self.broken, self.many_fingers, self.frames_stop, self.osc_flood, self.muted,
-                self.reload, self.board_held_up, self.board_pulled]
+        return [self.late, self.missing, self.empty, self.broken, self.many_fingers, self.frames_stop, self.osc_flood,
+                self.muted, self.reload, self.board_held_up, self.board_pulled]
+
+    def await_first_touch(self, events):
+        """Until palpa is there."""
+        while self.run.poll() is None and not (events.exists() and events.stat().st_size):
+            self.dips(1.0)
 
     def go_on(self, until):
         begin = time.monotonic()
@@ -118,8 +129,10 @@ class Faults:
             for kind in self.random.sample(kinds, len(kinds)):
                 if time.monotonic() >= until or self.run.poll() is not None:
                     return
+                self.wire.doing = kind.__name__
                 kind()
                 self.done[kind.__name__] = self.done.get(kind.__name__, 0) + 1
+                self.wire.doing = f"undisturbed after {kind.__name__}"
                 self.undisturbed()
             self.first_turn = self.first_turn or time.monotonic() - begin
 
@@ -158,8 +171,8 @@ class Tracker(Faults):
         def fault():
             if self.random.random() > 0.3:
                 return False
-            junk = self.random.choice([b"", b"{", b"\xff" * 40, b'{"t_s": 1e999, "hands": []}', b'{"t_s": 1, "hands": 7}',
-                                       self.random.randbytes(300), b"[" * 5000])
+            junk = self.random.choice([b"", b"{", b"\xff" * 40, b'{"t_s": 1e999, "hands": []}',
+                                       b'{"t_s": 1, "hands": 7}', self.random.randbytes(300), b"[" * 5000])
             self.sender.socket.sendto(junk, self.sender.address)
             return True
         self.dips(2.0, fault=fault)
@@ -168,8 +181,8 @@ class Tracker(Faults):
 def rig_of_cameras():
     """The paper's cameras with a quarter of their pixels."""
     text = (ROOT / "assets/rigs/paper.toml").read_text().split("[array]")[0]
-    for key, full, half in (("width", 848, 424), ("height", 480, 240), ("fx", 640.0, 320.0), ("fy", 640.0, 320.0), ("cx", 423.5, 211.5),
-                            ("cy", 239.5, 119.5)):
+    for key, full, half in (("width", 848, 424), ("height", 480, 240), ("fx", 640.0, 320.0), ("fy", 640.0, 320.0),
+                            ("cx", 423.5, 211.5), ("cy", 239.5, 119.5)):
         assert text.count(f"\n{key} = {full}\n") == 3
         text = text.replace(f"\n{key} = {full}\n", f"\n{key} = {half}\n")
     return text
@@ -187,7 +200,8 @@ class Cameras(Faults):
         self.socket.sendto(" ".join(map(str, words)).encode(), self.address)
 
     def frame(self, camera, time_s, picture, kind="whole"):
-        with self.cause(kind == "noise" or (picture > 0 and (picture - 1) % self.depths * 5e-4 - 8e-3 > self.touches_from)):
+        depth = (picture - 1) % self.depths * 5e-4 - 8e-3
+        with self.cause(kind == "noise" or (picture > 0 and depth > self.touches_from)):
             self.order("frame", camera, time_s, picture, kind)
 
     def show(self, depth, many, fault):
