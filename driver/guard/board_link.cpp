@@ -22,7 +22,8 @@
 namespace palpa::driver {
 namespace {
 
-constexpr double open_s = 40;  // a board that was left in an unknown state takes seconds to come back, a bus longer
+constexpr double open_s = 10;       // a board that was left in an unknown state takes seconds to come back
+constexpr double slow_open_s = 40;  // if the guard has said that it waits for a bus
 constexpr double exit_s = 1;
 constexpr double hang_s = 1;
 constexpr double most_slot_s = heartbeat_s / 2;  // a longer slot would be silenced between two drives
@@ -123,10 +124,11 @@ class BoardLink final : public session::Link {
   static constexpr const char* advice = "; make sure that the board is silent, or switch it off";
 
   void wait_until_open() {
-    const double until_s = monotonic_s() + open_s;
+    const double began_s = monotonic_s();
     while (last_word_ != MessageKind::opened) {
-      if (!guard_->wait_for_word(until_s - monotonic_s()))
-        throw failure(fmt::format("{}: the board is not open after {} s", brief_.kind, open_s));
+      const double most_s = opens_slowly_ ? slow_open_s : open_s;
+      if (!guard_->wait_for_word(began_s + most_s - monotonic_s()))
+        throw failure(fmt::format("{}: the board is not open after {} s", brief_.kind, most_s));
       if (!listen()) end_without_guard();
     }
   }
@@ -145,6 +147,7 @@ class BoardLink final : public session::Link {
           break;
         case MessageKind::waits:
           log::at_once(fmt::format("{}: {}", brief_.kind, message.text));
+          opens_slowly_ = true;
           break;
         case MessageKind::info:
           log::info(fmt::format("{}: {}", brief_.kind, message.text));
@@ -186,7 +189,7 @@ class BoardLink final : public session::Link {
     last_word_ = MessageKind::drive;
     try {
       guard_.emplace(program_, brief, 0);
-      const double until_s = monotonic_s() + open_s;
+      const double until_s = monotonic_s() + (opens_slowly_ ? slow_open_s : open_s);
       while (guard_->wait_for_word(until_s - monotonic_s()) && listen()) {
       }
     } catch (const Error& error) {
@@ -203,6 +206,7 @@ class BoardLink final : public session::Link {
   session::Carried carried_;                    ///< of a guard that is gone
   MessageKind last_word_ = MessageKind::drive;  ///< from the guard; none yet
   double sent_s_ = monotonic_s(), unread_s_ = 0;
+  bool opens_slowly_ = false;
   bool hung_ = false;                                         ///< the guard, and was killed
   double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then
   session::Slots planned_;                                    ///< of the newest plan, if the board plays plans
