@@ -148,7 +148,7 @@ void write_level(const EarLevel& level, JsonWriter& json) {
 }
 
 std::string to_text(const EarLevel& level) {
-  if (level.high_dba < 0.5) return "below 0 dB(A)";
+  if (level.high_dba < 0.5) return "less than 0 dB(A)";
   const double low = std::max(level.low_dba, 0.0);
   if (std::round(low) == std::round(level.high_dba)) return fmt::format("{:.0f} dB(A)", level.high_dba);
   return fmt::format("{:.0f} to {:.0f} dB(A)", low, level.high_dba);

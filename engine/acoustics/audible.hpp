@@ -74,7 +74,7 @@ struct EarLevel {
 EarLevel ear_level(const PlayedDrives& played, const EarOptions& options);
 /// Adds "audible_dba": the range; null where the power is constant.
 void write_level(const EarLevel& level, JsonWriter& json);
-/// "41 to 44 dB(A)"; nothing below 0 dB(A) is heard, so that it says "below 0 dB(A)".
+/// "41 to 44 dB(A)"; nothing below 0 dB(A) is heard, so that it says "less than 0 dB(A)".
 std::string to_text(const EarLevel& level);
 
 /// A full-scale sine of a WAV file has this level, unless it is changed.

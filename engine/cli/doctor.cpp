@@ -146,7 +146,7 @@ DoctorSection look_at_scheduling() {
   DoctorItem item;
   item.title = fmt::format("drives leave by {} scheduling", to_text(scheduling));
   item.ok = scheduling == Scheduling::real_time;
-  if (!item.ok) item.advice = fmt::format("for fewer late ones: {}", session::how_to_get_real_time);
+  if (!item.ok) item.advice = fmt::format("for fewer late ones: {}", session::how_to_get_real_time());
   item.facts = {{"scheduling", std::string(to_text(scheduling))}, {"kept_in_memory", KeptInMemory().holds()}};
   return {"scheduling", "Scheduling", {std::move(item)}, {}};
 }

@@ -11,8 +11,10 @@ namespace palpa::session {
 RealTimeService real_time_service();
 
 /// One line: how this user gets real-time scheduling.
-inline constexpr const char* how_to_get_real_time =
-    "apt-get install rtkit, or as root: echo '@audio - rtprio 20' > /etc/security/limits.d/palpa.conf, add yourself to "
-    "the group audio, and log in again";
+inline const char* how_to_get_real_time() {
+  if (!has_time_for_real_time(0)) return "give this process an RLIMIT_RTTIME of at least 50 ms (prlimit --rttime)";
+  return "apt-get install rtkit, or as root: echo '@audio - rtprio 20' > /etc/security/limits.d/palpa.conf, add "
+         "yourself to the group audio, and log in again";
+}
 
 }  // namespace palpa::session

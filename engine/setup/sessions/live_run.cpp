@@ -284,7 +284,7 @@ std::string scheduling_summary(const session::OutputStats& output) {
     return guarded ? "drives left by real-time scheduling, and so did the guard's\n"
                    : "drives left by real-time scheduling\n";
   return fmt::format("drives left by {} scheduling{}; for fewer late ones, {}\n", to_text(output.scheduling),
-                     guarded ? fmt::format(" (the guard: {})", to_text(guard)) : "", session::how_to_get_real_time);
+                     guarded ? fmt::format(" (the guard: {})", to_text(guard)) : "", session::how_to_get_real_time());
 }
 
 }  // namespace
