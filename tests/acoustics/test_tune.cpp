@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <string>
 
 #include "acoustics/felt/tune.hpp"
 
@@ -108,6 +109,17 @@ TEST(Tune, MayChooseTheDwellWithinARange) {
   const Tuned slow = tune(ring(15e-3), options);
   EXPECT_TRUE(slow.changed);
   EXPECT_DOUBLE_EQ(slow.ring.dwell_s, 1e-2);
+}
+
+/// Most tenths of a millisecond are no doubles, and those that people write differ from those that are computed.
+TEST(Tune, BothEndsOfARangeAreInIt) {
+  for (int tenths = 1; tenths <= 200; ++tenths) {
+    for (const double dwell_s : {std::stod(std::to_string(tenths) + "e-4"), 1e-3 * (tenths / 10.0), tenths / 1e4}) {
+      TuneOptions options;
+      options.shortest_dwell_s = options.longest_dwell_s = dwell_s;
+      EXPECT_NEAR(tune(ring(15e-3, 10, 3, 30e-3), options).ring.dwell_s, dwell_s, 1e-12) << tenths;
+    }
+  }
 }
 
 TEST(Tune, AlwaysGivesEveryFocusItsTurnAndNeverLessThanBefore) {

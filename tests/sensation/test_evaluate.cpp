@@ -131,6 +131,32 @@ TEST(Evaluate, OneJumpIsTakenAndItsOvershootIsLost) {
   }
 }
 
+TEST(Evaluate, AJumpsOperatorsDifferAtItsValue) {
+  const struct {
+    const char* is;
+    bool below, at, above;
+  } operators[]{{"lt", true, false, false},
+                {"lt_eq", true, true, false},
+                {"gt", false, false, true},
+                {"gt_eq", false, true, true}};
+  for (const auto& [is, below, at, above] : operators) {
+    const Pattern pattern =
+        sensation::parse_pattern(PatternText{.keyframes = key("standard", 0, coords(0, 0, 0)) + "," +
+                                                          key("standard", 10, coords(0, 0, 0), jump("a", is, 1, 50)) +
+                                                          "," + key("standard", 60, coords(0, 0, 0)),
+                                             .definitions = R"("a":{"default":0,"step":1})"}
+                                     .text(),
+                                 "t");
+    for (const auto& [value, jumps] : {std::pair(0.9, below), {1.0, at}, {1.1, above}}) {
+      Progress progress;
+      Random random(1);
+      const auto found =
+          sensation::evaluate(pattern, sensation::values_of(pattern, {{"a", value}}), 12, progress, random);
+      EXPECT_DOUBLE_EQ(found.pattern_ms, jumps ? 50 : 12) << value << " " << is;
+    }
+  }
+}
+
 TEST(Evaluate, ParametersStayWithinTheirLimitsAndSoDoDefaults) {
   const auto value = [](const std::string& definition, const Given& given) {
     const Pattern pattern = sensation::parse_pattern(

@@ -245,7 +245,10 @@ TEST(Rig, ReadsSettingsOfRealCameras) {
   EXPECT_EQ(set.cameras[0].device.exposure_s, 0.004);
   EXPECT_EQ(set.cameras[0].device.preset, 3);
   EXPECT_EQ(to_toml(load_text(to_toml(set))), to_toml(set));
-  EXPECT_TRUE(load_text(to_toml(set)).cameras[0].device.own_lens);
+  const DeviceSetting back = load_text(to_toml(set)).cameras[0].device;
+  EXPECT_TRUE(back.own_lens);
+  EXPECT_EQ(back.exposure_s, 0.004);
+  EXPECT_EQ(back.preset, 3);
   for (const auto& [bad, fault] : {std::pair{"calibration = \"none\"", "calibration is 'none'"},
                                    {"exposure_s = 1", "exposure_s is 1,"},
                                    {"exposure_s = -1", "exposure_s is -1,"},

@@ -207,7 +207,8 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
 }
 
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
-                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots) {
+                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots,
+                                          std::vector<double>* distances_m) {
   Rendering rendering(film);
   session::Session session = session_for(film, rendering.cameras(), late_s, false);
   std::vector<array::Schedule> schedules;
@@ -215,6 +216,7 @@ std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
     const auto images = rendering.frame(k);
     knows_slots ? session.touch(images, time_of(k), 7 * k) : session.touch(images, time_of(k));
     schedules.push_back(session.schedule());
+    if (distances_m) distances_m->push_back(session.report().prediction.value_or(session::Prediction()).distance_m);
   }
   return schedules;
 }

@@ -59,7 +59,9 @@ ChainErrors chain_errors(const ChainFilm& film, double late_s, bool on_device, d
 
 /// The schedules that a session makes of a film's frames, predicted `late_s` ahead, if frame k claims to have been
 /// captured at time_of(k). Without `knows_slots`, the session does not know which slot plays a frame first.
+/// `distances_m` gets the distance that the session reports of each frame.
 std::vector<array::Schedule> schedules_of(const ChainFilm& film, double late_s,
-                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots = true);
+                                          const std::function<double(std::uint64_t)>& time_of, bool knows_slots = true,
+                                          std::vector<double>* distances_m = nullptr);
 
 }  // namespace palpa::test

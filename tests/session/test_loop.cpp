@@ -1,4 +1,5 @@
 // The three threads together, with frames, plans and links made by the test.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/syscall.h>
@@ -13,6 +14,7 @@
 #include "session/loop/source_clock.hpp"
 #include "session/threads.hpp"
 #include "stepped_loop.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::session {
 namespace {
@@ -366,6 +368,18 @@ TEST(Stats, QuantilesAndJson) {
                 "\n"
                 R"( "hand_over":{"drives":{"loop":0}}})"
                 "\n");
+}
+
+TEST(Stats, EachQuantileHasItsOwnName) {
+  LoopStats stats;
+  Samples& samples = stats.frame_to_plan_s;
+  for (int i = 0; i < 2000; ++i)
+    samples.add(1e-3 * i);
+  const auto at = [&](double p) { return fmt::format("{:.6g}", 1e3 * samples.quantile(p)); };
+  const std::string times =
+      fmt::format(R"({{"count":2000,"median":{},"p99":{},"p999":{},"max":{}}})", at(0.5), at(0.99), at(0.999), at(1));
+  EXPECT_CONTAINS(to_json(stats), R"("frame_to_plan":)" + times);
+  EXPECT_NE(at(0.99), at(0.999));
 }
 
 }  // namespace

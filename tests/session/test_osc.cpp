@@ -205,6 +205,21 @@ TEST_F(OscTest, AFeelThatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_EQ(stats.taken, std::size(table) + 3 + 1);
 }
 
+TEST_F(OscTest, OfUnlikeSolidsEachTakesWhatItCanHave) {
+  for (const std::string can : {"first", "second"}) {
+    SessionSetting setting{.solids = cube_called("first"), .feel_may_change = true};
+    setting.solids.push_back(cube_called("second").front());
+    setting.solids[can == "first" ? 0 : 1].haptics.press_depth_m = 0.003;
+    const Session unlike(setting);
+    LiveValues values;
+    values.set_scene(unlike);
+    SolidValues clicks;
+    clicks.feel.click.emplace();
+    for (const std::string solid : {"first", "second"})
+      EXPECT_EQ(values.change(solid, clicks).empty(), solid == can) << solid << " of " << can;
+  }
+}
+
 TEST_F(OscTest, ClicksAndTexturesAreRefusedIfTheLinkCannotPlayThem) {
   SessionSetting slow = setting_of_button();
   slow.schedule.steady = true;

@@ -123,23 +123,33 @@ TEST(PredictFixed, GivesTheSameBytesAndWithoutSlotsTheMiddleOfTheCycle) {
   EXPECT_GT(moving, 5U);
 }
 
-TEST(PredictFingers, MoveEachByItself) {
+/// On either side: fingers are in the order of their contacts, so either is the first.
+struct PredictFingers : testing::TestWithParam<double> {};
+
+TEST_P(PredictFingers, MoveEachByItself) {
+  const double x = GetParam();
   ChainFilm film = test::lifting_film(0.2);  // at rest for 0.12 s, gone 25 ms later
   const auto lifts = film.motion;
-  film.motion = [&](double t) { return glm::translate(Transform(1), Vec3(-0.025, 0, 0)) * lifts(t); };
-  film.second = [](double t) { return test::tip_at({0.025, -0.003, t < 0.05 ? 0 : 0.1 * (t - 0.05)}); };
+  film.motion = [&](double t) { return glm::translate(Transform(1), Vec3(x, 0, 0)) * lifts(t); };
+  film.second = [&](double t) { return test::tip_at({-x, -0.003, t < 0.05 ? 0 : 0.1 * (t - 0.05)}); };
   std::vector<std::uint32_t> frames_with(3);
   double fastest = 0, slowest = 1;
-  for (const array::Schedule& schedule :
-       test::schedules_of(film, 0.03, [](std::uint64_t k) { return static_cast<double>(k) / 90; })) {
+  constexpr double late_s = 0.03;
+  std::vector<double> distances_m;
+  const std::vector<array::Schedule> schedules = test::schedules_of(
+      film, late_s, [](std::uint64_t k) { return static_cast<double>(k) / 90; }, true, &distances_m);
+  for (std::size_t k = 0; k < schedules.size(); ++k) {
+    const array::Schedule& schedule = schedules[k];
     ASSERT_LE(schedule.voice_count, 2U);
     ++frames_with[schedule.voice_count];
     for (const array::Voice& voice : std::span(schedule.voices).first(schedule.voice_count)) {
-      const bool lifting = voice.foci[0].x < 0;
+      const bool lifting = voice.foci[0].x * x > 0;
       fastest = std::max(fastest, lifting ? 0 : voice.velocity.z);
       slowest = std::min(slowest, lifting ? 1 : voice.velocity.z);
       EXPECT_LT(std::abs(lifting ? voice.velocity.z : voice.velocity.y), 0.03) << "the other finger's";
       EXPECT_FALSE(lifting && schedule.voice_count == 1) << "it is silent, and the other goes on";
+      const double way_m = glm::length(voice.velocity) * (late_s - schedule.advance.first_s);
+      EXPECT_GE(distances_m[k], way_m - 1e-9) << "the longest way is reported";
     }
   }
   EXPECT_GT(frames_with[1], 10U);
@@ -147,6 +157,8 @@ TEST(PredictFingers, MoveEachByItself) {
   EXPECT_GT(fastest, 0.03);
   EXPECT_GE(slowest, -1e-2);
 }
+
+INSTANTIATE_TEST_SUITE_P(Sides, PredictFingers, testing::Values(-0.025, 0.025));
 
 /// What the loop says of its slots to a planner.
 struct AskingPlanner : test::FakePlanner {

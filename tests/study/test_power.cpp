@@ -29,6 +29,14 @@ TEST(Power, OfThePapersEffect) {
   }
 }
 
+TEST(Power, AlphaItselfIsEnough) {
+  PowerSetting setting;
+  setting.alpha = 2.0 / 64;  // the least p of six people
+  EXPECT_EQ(find_power(setting).people, 6u);
+  setting.alpha = std::nextafter(setting.alpha, 0);
+  EXPECT_GT(find_power(setting).people.value(), 6u);
+}
+
 TEST(Power, WithoutAnEffectIsAtMostAlpha) {
   PowerSetting setting{.a = 0.5, .b = 0.5};
   setting.most_people = 12;

@@ -34,6 +34,24 @@ TEST(Staleness, ALargeUpdateIncludesSmallerOnes) {
   EXPECT_EQ(stale.take(state), Stale::nothing);
 }
 
+TEST(Staleness, MarksFollowAllThatTheyAreDrawnWith) {
+  const auto drawn_again = [](auto change) {
+    ViewState state;
+    Staleness stale;
+    stale.take(state);
+    stale.drew();
+    change(state);
+    stale.look(state);
+    return stale.what() == Stale::marks;
+  };
+  EXPECT_TRUE(drawn_again([](ViewState& state) { state.layers[Layer::foci].visible = false; }));
+  EXPECT_TRUE(drawn_again([](ViewState& state) { state.explode = 0.5; }));
+  EXPECT_TRUE(drawn_again([](ViewState& state) { state.slice.size_m.x = 0.01; }));
+  EXPECT_TRUE(drawn_again([](ViewState& state) { state.slice_handles = !state.slice_handles; }));
+  EXPECT_TRUE(drawn_again([](ViewState& state) { state.picked.emplace(); }));
+  EXPECT_TRUE(drawn_again([](ViewState& state) { state.dark = !state.dark; }));
+}
+
 TEST(Staleness, OtherSurfacesHaveAnotherNumber) {
   ViewState state;
   Staleness stale;
