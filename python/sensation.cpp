@@ -333,6 +333,9 @@ void add_sensation(py::module_& m) {
       .def_property_readonly(
           "playing", [](const SensationObject& o) { return o.playing && o.control.plays(); },
           "bool: whether it plays, and is neither paused nor at its end.")
+      .def_property_readonly(
+          "open", [](const SensationObject& o) { return o.control.runs(); },
+          "bool: whether play() has opened its link, and has not ended.")
       .def("evaluate", &evaluate, py::arg("times"), py::arg("parameters") = py::none(), py::arg("details") = false,
            py::arg("seed") = 0, evaluate_doc)
       .def("play", &play, py::kw_only(), py::arg("ends") = true, py::arg("paused") = false,

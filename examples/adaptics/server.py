@@ -237,6 +237,10 @@ async def run(player, arguments):
         asyncio.get_running_loop().add_signal_handler(number, end.set)
     player.thread.start()
     try:
+        while player.thread.is_alive() and not player.sensation.open and not end.is_set():
+            await asyncio.sleep(0.02)
+        if not player.sensation.open:
+            return
         async with websockets.serve(server.serve, "127.0.0.1", arguments.port, process_request=server.check,
                                     max_size=MOST_BYTES, ping_interval=PING_S, ping_timeout=PATIENCE_S, close_timeout=1) as listening:
             port = next(iter(listening.sockets)).getsockname()[1]
