@@ -324,9 +324,8 @@ void add_sensation(py::module_& m) {
           [](const SensationObject& o) {
             py::dict made;
             if (o.pattern == nullptr) return made;
-            const auto& known = o.pattern->pattern().parameters;
-            for (std::size_t p = 0; p < known.size(); ++p)
-              made[shown_text(known[p].name)] = o.pattern->values().value[p];
+            for (const auto& [name, value] : o.pattern->parameters())
+              made[shown_text(name)] = value;
             return made;
           },
           "dict of str to float: the value of each parameter of a pattern, within its limits.")

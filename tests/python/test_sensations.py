@@ -29,6 +29,14 @@ def test_a_pattern_is_where_the_command_says(tmp_path):
     assert np.allclose(gains[steps[met]], rows["gain"][met], atol=1e-12)
 
 
+def test_parameters_are_those_that_were_given_last():
+    beat = palpa.Sensation("heartbeat", rate=90)
+    beat.set(rate=45)
+    assert beat.parameters == {"loop": 1.0, "rate": 45.0}
+    beat.set(loop=0)
+    assert beat.parameters == {"loop": 0.0, "rate": 70.0}
+
+
 def test_parameters_may_differ_from_time_to_time_and_details_are_raw():
     ring = palpa.Sensation("circle")
     got = ring.evaluate([0, 0.1], {"radius": [5, 20]}, details=True)
