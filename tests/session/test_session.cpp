@@ -138,6 +138,7 @@ TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
   ASSERT_EQ(session.schedule().voice_count, 1U);
   EXPECT_NEAR(session.schedule().voices[0].reached_pa.value_or(0), 750, 1);
   const auto pressures = foci_pressures(session.plan(), session.setting());
+  EXPECT_FALSE(pressures.at(0).empty());
   for (const double pressure : pressures[0])
     EXPECT_NEAR(pressure, 750, 2);
   const bool timed = std::ranges::any_of(
