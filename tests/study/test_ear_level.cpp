@@ -34,7 +34,7 @@ EarLevel level_of(const StudyPlan& plan, const Box& object = cube) {
   return predict_ear_level(plan, std::vector<Box>(plan.shapes.size(), object));
 }
 
-/// Of a board at full amplitude. It takes a while to compute, so all tests share it.
+/// The level of a board at full amplitude. All tests share it, because it takes a while to compute.
 const EarLevel& full_level() {
   static const EarLevel level = level_of(plan_on("openmpd"));
   return level;
