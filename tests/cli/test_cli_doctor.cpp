@@ -155,7 +155,8 @@ TEST(Doctor, WritesARigForTheCamerasThatAreThere) {
   EXPECT_CONTAINS(text, "T_world_camera is not known yet");
   expect_failure(doctor({"--source", "synthetic"}), 2, "--source");
 
-  const std::string two = source_file("assets/rigs/openmpd-two.toml"), one = source_file("assets/rigs/openmpd-one.toml");
+  const std::string two = source_file("assets/rigs/openmpd-two.toml"),
+                    one = source_file("assets/rigs/openmpd-one.toml");
   EXPECT_EQ(doctor({"--rig", two}).err, "");
   const sensing::Rig placed = sensing::load_rig(file), like = sensing::load_rig(two);
   ASSERT_EQ(placed.cameras.size(), 2u);

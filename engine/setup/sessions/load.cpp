@@ -57,7 +57,8 @@ void warn_of_moved_array(const sensing::Rig& rig, const std::string& layout, con
 PlacedLayout array_of(const sensing::Rig& rig, const std::string& layout) {
   if (!layout.empty()) {
     PlacedLayout placed = standing_by_default(layout);
-    if (rig.array && rig.array->T_world_layout) warn_of_moved_array(rig, layout, placed.T_world_layout);
+    if (rig.array && rig.array->T_world_layout && rig.array->layout == layout)
+      warn_of_moved_array(rig, layout, placed.T_world_layout);
     return placed;
   }
   if (!rig.array) throw bad_input(rig.file, "has no [array]; add one or give --layout");

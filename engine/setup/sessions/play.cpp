@@ -288,12 +288,12 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.board_files = o.board_files;
   link_setting.steps = o.steps == Steps::on;
   link_setting.free_field = goes_ahead(o, playing.posed);
-  if (o.on) {
+  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
+  if (o.on) {  // from now on, a file's time goes on
     setting.hand = &hand;
     FrameOptions frames = o;
     follower = follow_hand(*o.on, frames, sources, setting.T_world_array, hand, stop);
   }
-  const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
   if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);
   warn_of_full_amplitude(o, o.link, *link);
   if (osc) osc->listen();
