@@ -77,6 +77,17 @@ TEST(AtLimits, PlansAreReadUpToTheirLimits) {
   EXPECT_REFUSED(plan(2, 1, 0, "[observer]\ndepths_mm = [2, 2]\n"), "ascending");
 }
 
+TEST(AtLimits, TheObserverTouchesUpToItsLimit) {
+  const auto observed = [](int depths) {
+    std::string list;
+    for (int i = 1; i <= depths; ++i)
+      list += fmt::format("{}{}", i == 1 ? "" : ", ", i);
+    return plan(10, 10, 4, "[observer]\nplacements = 20\ndepths_mm = [" + list + "]\n");
+  };
+  EXPECT_EQ(observed(25).touches(), most_planned_touches);
+  EXPECT_REFUSED(observed(26), "would have to touch 52000 times");
+}
+
 TEST(AtLimits, APersonHasStepsAndHoursUpToTheirLimits) {
   // Two shapes are touched for as long as they say, and nothing else.
   const auto sounding = [](double seconds) {
