@@ -12,7 +12,7 @@
 
 #include "sensing/camera.hpp"
 #include "sensing/joints/hand_check.hpp"
-#include "sensing/joints/tracker.hpp"
+#include "sensing/joints/read_frame.hpp"
 #include "sensing/recording.hpp"
 #include "sensing/rig.hpp"
 #include "support/captured.hpp"

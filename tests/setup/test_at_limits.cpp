@@ -27,6 +27,7 @@
 #include "setup/tasks/foci.hpp"
 #include "support/captured.hpp"
 #include "support/files.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::setup {

@@ -1,4 +1,4 @@
-// Every option of a live run on palpa-viewer's line reaches the run that it starts: the link is told something else
+// Every option of a live run on palpa-viewer's line reaches the run that it starts: the link gets something else
 // than without it, and the same as by `palpa run`.
 #include <gtest/gtest.h>
 
@@ -24,14 +24,14 @@
 namespace palpa::viewer {
 namespace {
 
-/// The first plans of a run. A run that has told them ends, because it would play the last one for long.
+/// The first plans of a run. A run that has given them ends, because it would play the last one for long.
 constexpr int most_plans = 4;
 struct Told {
   std::string text;
   std::atomic<int> plans{0};
 };
 
-/// Writes down what it is told, without what depends on when.
+/// Writes down what it gets, without what depends on when.
 class ToldLink final : public session::Link {
  public:
   ToldLink(Told& told, const session::LinkSetting& setting) : told_(told) {
@@ -139,7 +139,7 @@ setup::LiveOptions options_of_run(const line::Given& given) {
   return options;
 }
 
-/// What the link is told in that run: its first plans, or all if there are fewer.
+/// What the link gets in that run: its first plans, or all if there are fewer.
 std::string told_in(const setup::LiveOptions& options) {
   Told told;
   std::atomic<bool> stop{false};
@@ -200,7 +200,7 @@ std::map<std::string, Tried> tried() {
           {"--seed", {{"7"}, synthetic}}};
 }
 
-/// Options that change nothing that a link is told in such a run, or not the same each time, and the tests of them.
+/// Options that change nothing that a link gets in such a run, or not the same each time, and the tests of them.
 const std::map<std::string, std::string_view> others{
     {"--hold", "how long: test_live.cpp, test_loop.cpp"},
     {"--ramp", "in time: test_safe_link.cpp"},
