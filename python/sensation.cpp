@@ -189,7 +189,7 @@ py::object evaluate(SensationObject& o, const py::object& times_given, const py:
     const sensation::Evaluation at = o.pattern->step(times[i], values, state);
     places.push_back(1e-3 * at.place_mm);
     intensities.push_back(at.intensity);
-    gains.push_back(std::isfinite(at.intensity) ? std::clamp(at.intensity, 0.0, 1.0) : 0.0);
+    gains.push_back(is_finite(at.place_mm) && std::isfinite(at.intensity) ? std::clamp(at.intensity, 0.0, 1.0) : 0.0);
     pattern_times.push_back(1e-3 * at.pattern_ms);
     stops.push_back(at.stop ? 1 : 0);
   }
@@ -324,15 +324,17 @@ void add_sensation(py::module_& m) {
           [](const SensationObject& o) {
             py::dict made;
             if (o.pattern == nullptr) return made;
-            const auto& known = o.pattern->pattern().parameters;
-            for (std::size_t p = 0; p < known.size(); ++p)
-              made[shown_text(known[p].name)] = o.pattern->values().value[p];
+            for (const auto& [name, value] : o.pattern->parameters())
+              made[shown_text(name)] = value;
             return made;
           },
           "dict of str to float: the value of each parameter of a pattern, within its limits.")
       .def_property_readonly(
           "playing", [](const SensationObject& o) { return o.playing && o.control.plays(); },
           "bool: whether it plays, and is neither paused nor at its end.")
+      .def_property_readonly(
+          "open", [](const SensationObject& o) { return o.control.runs(); },
+          "bool: whether play() has opened its link, and has not ended.")
       .def("evaluate", &evaluate, py::arg("times"), py::arg("parameters") = py::none(), py::arg("details") = false,
            py::arg("seed") = 0, evaluate_doc)
       .def("play", &play, py::kw_only(), py::arg("ends") = true, py::arg("paused") = false,

@@ -62,6 +62,7 @@ void add_options_of_export(CLI::App& app, setup::ExportTask& o) {
 std::string summary_of_export(const session::ReplayStats& stats) {
   return fmt::format("{} frames, {} with a touch; {} drives of {} ms, {} of them silent\n", stats.frames,
                      stats.touching, stats.drives, stats.slot_s * 1e3, stats.silent_drives) +
+         (stats.untouched ? "nothing touched: " + stats.untouched->why + "\n" : "") +
          session::to_text(stats.dropped, stats.frames) + setup::pressures_summary(stats.fingers, stats.solids);
 }
 

@@ -41,9 +41,8 @@ std::string to_json(const PlayResult& result) {
   JsonWriter json;
   json.begin_object(JsonWriter::Style::rows).member("sensation", result.name).member("slot_s", result.slot_s);
   json.key("parameters").begin_object();
-  const auto& parameters = result.sensation->pattern().parameters;
-  for (std::size_t p = 0; p < parameters.size(); ++p)
-    json.member(parameters[p].name, result.sensation->values().value[p]);
+  for (const auto& [name, value] : result.sensation->parameters())
+    json.member(name, value);
   json.end_object();
   if (result.slots) json.member("slots", *result.slots);
   if (result.played) {

@@ -117,6 +117,15 @@ void PatternSensation::set_parameter(const std::string& name, double value) {
   change([&](Content& next) { next.given[name] = value; });
 }
 
+std::vector<std::pair<std::string, double>> PatternSensation::parameters() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::pair<std::string, double>> out;
+  const std::vector<Parameter>& known = next_.pattern->parameters;
+  for (std::size_t p = 0; p < known.size(); ++p)
+    out.emplace_back(known[p].name, next_.values.value[p]);
+  return out;
+}
+
 void PatternSensation::set_pattern(Pattern pattern) {
   change([&](Content& next) { next.pattern = std::make_shared<const Pattern>(std::move(pattern)); });
 }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/math.hpp"
@@ -87,6 +88,8 @@ class PatternSensation final : public Sensation {
   void set_parameter(const std::string& name, double value);
   /// Another pattern, at the same time.
   void set_pattern(Pattern pattern);
+  /// Each parameter with the value that it was given last, or its default, within its limits.
+  std::vector<std::pair<std::string, double>> parameters() const;
   /// Multiplies the pattern's own speed.
   void set_speed(double speed);
   /// Applied to places in millimetres, before the brush; any matrix. Places are divided by their fourth coordinate.
@@ -107,7 +110,7 @@ class PatternSensation final : public Sensation {
 
   Content now_;
   bool warned_ = false;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   Content next_;
   bool changed_ = false;
 };

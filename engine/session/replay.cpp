@@ -13,10 +13,9 @@
 namespace palpa::session {
 std::string to_json(const ReplayStats& stats) {
   JsonWriter json;
-  json.begin_object()
-      .member("frames", stats.frames)
-      .member("touching", stats.touching)
-      .member("drives", stats.drives)
+  json.begin_object().member("frames", stats.frames).member("touching", stats.touching);
+  if (stats.untouched) write_untouched(*stats.untouched, json);
+  json.member("drives", stats.drives)
       .member("silent_drives", stats.silent_drives)
       .member("slot_s", stats.slot_s)
       .member("duration_s", stats.duration_s);

@@ -16,6 +16,7 @@
 #include "session/plan/plan.hpp"
 #include "session/session.hpp"
 #include "session/watch/pressure_log.hpp"
+#include "session/watch/untouched.hpp"
 
 namespace palpa::session {
 
@@ -77,6 +78,7 @@ struct ReplayOptions {
 
 struct ReplayStats {
   std::uint64_t frames = 0, touching = 0;
+  std::optional<UntouchedStats> untouched;      ///< if no frame had a finger; set by the caller
   std::uint64_t drives = 0, silent_drives = 0;  ///< slots whose drive was sent
   std::optional<sensing::Dropped> dropped;      ///< if something could be dropped
   double slot_s = 0;

@@ -1,6 +1,7 @@
 // What other threads say about a sensation that plays: where the hand is, and when it starts and pauses.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -52,6 +53,8 @@ class SensationControl {
   void follow(bool follows);
   /// Whether it plays, and has neither ended nor been paused.
   bool plays() const { return now().plays; }
+  /// Whether the run has begun, with its link open, and has not ended. Offline: false.
+  bool runs() const { return runs_; }
   /// The newest points that have sounded, where they did in the array's frame; at most `most`, oldest first. Empty
   /// after each start.
   std::vector<sensation::Point> newest(std::size_t most) const;
@@ -66,10 +69,12 @@ class SensationControl {
   /// It ended by itself, unless it was started again after the change `number`.
   void ended(std::uint64_t number);
   void sounded(const sensation::Point& point);
+  void set_runs(bool runs) { runs_ = runs; }
 
  private:
   mutable std::mutex mutex_;
   State now_;
+  std::atomic<bool> runs_ = false;
   std::deque<sensation::Point> newest_;
 };
 

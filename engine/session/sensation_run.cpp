@@ -392,6 +392,11 @@ OutputStats run_sensation(sensation::Sensation& sensation, SensationControl& con
   SensationPlanner planner(sensation, control, setting);
   Moments moments(clock, std::min(between_plans_s, slots_ahead(setting) * setting.output.slot_s / 4), planner);
   LoopStats stats;
+  struct Runs {
+    explicit Runs(SensationControl& told) : control(told) { control.set_runs(true); }
+    ~Runs() { control.set_runs(false); }
+    SensationControl& control;
+  } const runs(control);
   run_loop(moments, planner, link, {.output = setting.output}, stop, {.observer = &observer}, stats, clock);
   return stats.output;
 }

@@ -28,7 +28,7 @@ DESIGNER = "https://adaptivehaptics.github.io"
 THIS_MACHINE = ("localhost", "127.0.0.1", "::1")
 MOST_CLIENTS = 16
 MOST_BYTES = 4 << 20            # of a message; a large pattern has 0.2 MB
-PING_S, PATIENCE_S = 5, 5       # a client that answers no ping for so long has frozen
+PING_S, PATIENCE_S = 2.5, 2.5   # a client that has frozen is gone after both
 UPDATE_S, UPDATE_POINTS = 0.018, 32
 MOST_WAITING_BYTES = 1 << 20    # of updates that a client has not read
 ZERO, ONE, STEP = {"type": "f64", "value": 0}, {"type": "f64", "value": 1}, {"name": "step", "params": {}}
@@ -237,6 +237,10 @@ async def run(player, arguments):
         asyncio.get_running_loop().add_signal_handler(number, end.set)
     player.thread.start()
     try:
+        while player.thread.is_alive() and not player.sensation.open and not end.is_set():
+            await asyncio.sleep(0.02)
+        if not player.sensation.open:
+            return
         async with websockets.serve(server.serve, "127.0.0.1", arguments.port, process_request=server.check,
                                     max_size=MOST_BYTES, ping_interval=PING_S, ping_timeout=PATIENCE_S, close_timeout=1) as listening:
             port = next(iter(listening.sockets)).getsockname()[1]

@@ -65,7 +65,8 @@ PALPA_FIELDS(Mesh, positions, triangles)
 
 namespace palpa::session {
 PALPA_FIELDS(Event, kind, time, solid, finger, depth, centroid)
-PALPA_FIELDS(ReplayStats, frames, touching, drives, silent_drives, dropped, slot, duration, fingers, solids)
+PALPA_FIELDS(UntouchedStats, solid, distance, inside, why)
+PALPA_FIELDS(ReplayStats, frames, touching, untouched, drives, silent_drives, dropped, slot, duration, fingers, solids)
 PALPA_FIELDS(ScheduledFinger, placement, perimeter, tuned)
 }  // namespace palpa::session
 

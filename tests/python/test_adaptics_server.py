@@ -259,6 +259,12 @@ def test_a_port_that_is_taken_is_told_in_a_line(served):
     assert done.returncode == 1 and f"--port {served[0]}: " in done.stderr and len(done.stderr.splitlines()) == 1
 
 
+def test_it_listens_only_with_its_link_open(tmp_path):
+    done = subprocess.run([sys.executable, ROOT / "examples/adaptics/server.py", "--port", "0", "--link", "openmpd:ABSENT"],
+                          capture_output=True, text=True, timeout=120, check=False, env=os.environ | {"XDG_RUNTIME_DIR": str(tmp_path)})
+    assert done.returncode == 1 and done.stdout == "" and "ABSENT" in done.stderr
+
+
 def test_a_stop_is_told(served):
     port, _, heard = served
     client = Client(port)

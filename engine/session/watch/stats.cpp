@@ -115,16 +115,7 @@ std::string to_json(const LoopStats& stats) {
   json.member("unrecorded", stats.unrecorded).member("planned", stats.planned).member("unplayed", stats.unplayed);
   json.member("touching", stats.touching);
   json.end_object();
-  if (stats.untouched) {
-    const UntouchedStats& own = *stats.untouched;
-    json.key("untouched").begin_object();
-    if (own.solid.empty()) {
-      json.key("solid").null().key("distance_mm").null();
-    } else {
-      json.member("solid", own.solid).key("distance_mm").rounded(own.distance_m * 1e3, digits);
-    }
-    json.member("inside", own.inside).end_object();
-  }
+  if (stats.untouched) write_untouched(*stats.untouched, json);
   if (stats.dropped) write_dropped(*stats.dropped, json);
   json.key("seconds").rounded(stats.seconds, digits);
   json.key("timing_ms").begin_object();

@@ -14,6 +14,7 @@
 #include "session/links/hand_over.hpp"
 #include "session/watch/effort.hpp"
 #include "session/watch/pressure_log.hpp"
+#include "session/watch/untouched.hpp"
 
 namespace palpa::session {
 
@@ -100,14 +101,6 @@ struct FingerSoundStats {
   Samples took_s;               ///< the time of each answer
   Samples age_s;                ///< of the answer that a finger's foci used
   Samples gain;                 ///< of each focus' pressure, over that with the drive for free air
-};
-
-/// For a run in which nothing touched: the skin that came nearest to a solid, among some of its frames.
-struct UntouchedStats {
-  std::string solid;      ///< empty: no skin was near the solids
-  double distance_m = 0;  ///< to its surface
-  bool inside = false;    ///< below it, so deeper than its shell
-  std::string why;        ///< in words: "the nearest skin was 31.0 mm away from the surface of cube"
 };
 
 /// For a run that has shed work.

@@ -23,7 +23,6 @@
 #include "setup/sessions/near_skin.hpp"
 #include "setup/sessions/null_watch.hpp"
 #include "setup/sessions/tracker.hpp"
-#include "touch/fingers/sight.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -187,28 +186,6 @@ void LiveRun::watch_scene() {
   });
 }
 
-/// Why nothing touched. Solids that other programs move may have been elsewhere: then nobody knows.
-void LiveRun::find_why_untouched(std::span<const sensing::FrameSet> frames, session::LoopStats& stats) {
-  if (stats.touching > 0 || stats.planned == 0 || osc_ || before_frame_) return;
-  NearSkin near(session().setting());
-  const std::vector<touch::SightCamera> cameras = touch::sight_cameras(session().setting().cameras, near.rays());
-  sensing::SkinOfFrame skin;
-  std::optional<NearestSkin> nearest;
-  for (const sensing::FrameSet& set : frames) {
-    near.find(set, skin);
-    if (!set.frames.empty()) touch::part_flying({cameras, near.rays(), set.frames}, skin.points, skin.leavings);
-    const std::optional<NearestSkin> found = near.nearest(skin.points);
-    if (found && (!nearest || found->distance_m < nearest->distance_m)) nearest = found;
-  }
-  session::UntouchedStats untouched{.why = why_untouched(nearest, session().solids(), "was")};
-  if (nearest) {
-    untouched.solid = session().solids()[nearest->solid].name;
-    untouched.distance_m = nearest->distance_m;
-    untouched.inside = nearest->inside;
-  }
-  stats.untouched = std::move(untouched);
-}
-
 void LiveRun::before_frame(session::Session& session) {
   if (osc_) osc_->before_frame(session);
   if (before_frame_) before_frame_(session);
@@ -257,7 +234,9 @@ session::LoopStats LiveRun::run(session::RunObserver& observer,
   }
   finish(sink_.get(), false);
   tell_backend(options_.common, stats);
-  find_why_untouched(kept.frames(), stats);
+  // Solids that other programs move may have been elsewhere: then nobody knows.
+  if (stats.touching == 0 && stats.planned > 0 && !osc_ && !before_frame_)
+    stats.untouched = find_untouched(session().setting(), kept.frames());
   if (sink_) stats.events = {sink_->written(), sink_->dropped()};
   if (osc_) stats.messages = osc_->end();
   if (reload_) stats.reload = reload_->end();
@@ -304,6 +283,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
       counted(stats.captured, "frame"), stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, counted(stats.output.drives, "drive"), stats.output.silent_drives,
       counted(stats.output.skipped_slots, "slot"));
+  if (stats.captured == 0) text += "no frame came from the source\n";
   if (stats.untouched) text += "nothing touched: " + stats.untouched->why + "\n";
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)

@@ -88,7 +88,6 @@ class LiveRun final : session::RunChanges {
  private:
   std::unique_ptr<session::Link> open_link(std::span<const session::LinkKind> links);
   void watch_scene();
-  void find_why_untouched(std::span<const sensing::FrameSet> frames, session::LoopStats& stats);
   void before_frame(session::Session& session) override;
   bool has_scene() const override { return reload_ && reload_->ready(); }
   void take_scene(session::Session& session) override;

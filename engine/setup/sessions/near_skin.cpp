@@ -11,6 +11,7 @@
 
 #include "sensing/joints/capsules.hpp"
 #include "touch/contacts/prepared_solids.hpp"
+#include "touch/fingers/sight.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -82,6 +83,27 @@ std::string why_untouched(const std::optional<NearestSkin>& nearest, std::span<c
                           const char* is) {
   if (nearest) return fmt::format("the nearest skin {} {}", is, place_of(*nearest, solids));
   return fmt::format("no skin {} within {:.0f} mm of the objects", is, near_skin_m * 1e3);
+}
+
+session::UntouchedStats find_untouched(const session::SessionSetting& setting,
+                                       std::span<const sensing::FrameSet> frames) {
+  NearSkin near(setting);
+  const std::vector<touch::SightCamera> cameras = touch::sight_cameras(setting.cameras, near.rays());
+  sensing::SkinOfFrame skin;
+  std::optional<NearestSkin> nearest;
+  for (const sensing::FrameSet& set : frames) {
+    near.find(set, skin);
+    if (!set.frames.empty()) touch::part_flying({cameras, near.rays(), set.frames}, skin.points, skin.leavings);
+    const std::optional<NearestSkin> found = near.nearest(skin.points);
+    if (found && (!nearest || found->distance_m < nearest->distance_m)) nearest = found;
+  }
+  session::UntouchedStats untouched{.why = why_untouched(nearest, setting.solids, "was")};
+  if (nearest) {
+    untouched.solid = setting.solids[nearest->solid].name;
+    untouched.distance_m = nearest->distance_m;
+    untouched.inside = nearest->inside;
+  }
+  return untouched;
 }
 
 }  // namespace palpa::setup

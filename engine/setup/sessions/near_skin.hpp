@@ -14,6 +14,7 @@
 #include "sensing/skin_twin.hpp"
 #include "sensing/surroundings.hpp"
 #include "session/plan/setting.hpp"
+#include "session/watch/untouched.hpp"
 #include "setup/sessions/nearest_skin.hpp"
 
 namespace palpa::setup {
@@ -52,5 +53,9 @@ class NearSkin {
 /// "31.0 mm away from the surface of cube", after "the nearest skin is " or "was "; or that no skin is near.
 std::string why_untouched(const std::optional<NearestSkin>& nearest, std::span<const geometry::Solid> solids,
                           const char* is = "is");
+
+/// Why nothing touched in a run of which these are some of the frames. Solids are where the setting has them.
+session::UntouchedStats find_untouched(const session::SessionSetting& setting,
+                                       std::span<const sensing::FrameSet> frames);
 
 }  // namespace palpa::setup

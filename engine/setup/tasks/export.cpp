@@ -11,6 +11,8 @@
 #include "base/error.hpp"
 #include "session/links/record_link.hpp"
 #include "session/links/spec.hpp"
+#include "setup/sessions/kept_frames.hpp"
+#include "setup/sessions/near_skin.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -179,7 +181,10 @@ ExportResult ExportRun::run(const session::ReplayOptions& looking) {
   };
   ExportResult result;
   try {
-    result.stats = session::replay(*prepared_.session, *prepared_.source, *links_, *stop_, options);
+    KeptFrames kept(*prepared_.source);
+    result.stats = session::replay(*prepared_.session, kept, *links_, *stop_, options);
+    if (result.stats.touching == 0 && result.stats.frames > 0)
+      result.stats.untouched = find_untouched(prepared_.session->setting(), kept.frames());
   } catch (...) {
     finish(sink_.get(), true);
     throw;

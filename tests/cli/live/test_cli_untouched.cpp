@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "cli/support/here.hpp"
 #include "geometry/gltf/write.hpp"
@@ -21,8 +22,8 @@ namespace {
 
 using nlohmann::json;
 
-/// A run of frames of a finger on the cube, with another object.
-Result run_of_cube_frames(const std::filesystem::path& folder, const Box& object) {
+/// A recording of a finger on the cube.
+const std::filesystem::path& cube_frames() {
   static const std::filesystem::path take = [] {
     const std::filesystem::path made = scratch_folder("untouched") / "take";
     const Result record = palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "5",
@@ -31,9 +32,14 @@ Result run_of_cube_frames(const std::filesystem::path& folder, const Box& object
     EXPECT_EQ(record.out.find("nothing touched"), std::string::npos) << "the finger touched";
     return made;
   }();
+  return take;
+}
+
+/// A run of them with another object.
+Result run_of_cube_frames(const std::filesystem::path& folder, const Box& object) {
   const geometry::SceneMesh mesh{"low", box(object.low, object.high)};
   geometry::write_glb(folder / "low.glb", std::span(&mesh, 1));
-  return palpa_here({"run", "--scene", (folder / "low.glb").string(), "--source", "recording:" + take.string(),
+  return palpa_here({"run", "--scene", (folder / "low.glb").string(), "--source", "recording:" + cube_frames().string(),
                      "--every-frame", "--backend", "cpu", "--json", (folder / "stats.json").string()});
 }
 
@@ -57,6 +63,27 @@ TEST(Untouched, ARunSaysHowFarTheSkinWas) {
   const Result within = run_of_cube_frames(folder, {{-0.03, -0.05, -0.03}, {0.03, 0.3, 0.03}});
   EXPECT_CONTAINS(within.out, " mm below the surface of low, deeper than its shell\n");
   EXPECT_EQ(json::parse(read_text(folder / "stats.json"))["untouched"]["inside"], true);
+}
+
+TEST(Untouched, AnExportOfTheSameFramesSaysTheSame) {
+  const auto folder = scratch_folder("untouched-export");
+  const Result run = run_of_cube_frames(folder, {{-0.02, -0.12, -0.02}, {0.02, -0.08, 0.02}});
+  std::vector<std::string> line{"export",
+                                "--scene",
+                                (folder / "low.glb").string(),
+                                "--source",
+                                "recording:" + cube_frames().string(),
+                                "--foci",
+                                (folder / "foci.csv").string(),
+                                "--json",
+                                (folder / "export.json").string()};
+  const Result export_ = palpa_here(line);
+  ASSERT_EQ(export_.exit_code, 0) << export_.err;
+  const std::size_t said = run.out.find("nothing touched: ");
+  ASSERT_NE(said, std::string::npos);
+  EXPECT_CONTAINS(export_.out, run.out.substr(said, run.out.find('\n', said) + 1 - said));
+  EXPECT_EQ(json::parse(read_text(folder / "export.json"))["untouched"],
+            json::parse(read_text(folder / "stats.json"))["untouched"]);
 }
 
 /// Numbers its frames; every third round has none.
