@@ -407,6 +407,39 @@ TEST_P(Touching, AnotherSceneComesBetweenTwoFrames) {
   EXPECT_TRUE(live.link.ended_silent());
 }
 
+/// A link that plays plans by its own clock.
+struct PlanLink final : test::SpyLink {
+  bool plays_plans() const override { return true; }
+};
+
+TEST(SessionRuns, PlansOfAnotherSceneListStandingDrivesToo) {
+  Live live;
+  live.setting.predict = {Predict::automatic, 0.02};
+  live.options.every_frame = false;
+  AnotherScene changes;
+  live.options.changes = &changes;
+  changes.frames = 5;  // its solid stays
+  SessionSetting setting = live.setting;
+  setting.solids[0].name = "other";
+  changes.next = std::make_unique<Session>(setting);
+  int here = 0, other = 0;  // plans whose foci move
+  live.watcher.on_planned = [&](const FrameReport&, const Plan& plan) {
+    if (!plan.schedule.advance.moves()) return;
+    EXPECT_EQ(plan.standing, plan.cycle.length) << here << ", " << other;
+    const bool changed = plan.schedule.solid_names != nullptr;
+    if (!changed && ++here == 1) changes.ready = true;
+    if (changed && ++other == 2) live.stop = true;
+  };
+  const auto source = sensing::make_synthetic_source(
+      live.setting.cameras, test::finger_skin().mesh, {},
+      {.motion = [](double t) { return glm::translate(Transform(1.0), Vec3(6e-3 * std::sin(15 * t), -3e-3, 0)); },
+       .frames = 900});
+  PlanLink link;
+  Session(live.setting).run(*source, link, live.stop, live.options);
+  EXPECT_GT(here, 0);
+  EXPECT_GE(other, 2);
+}
+
 TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {
   Live live;
   live.watcher.on_planned = [](const FrameReport& report, const Plan&) {

@@ -11,6 +11,7 @@
 #include "array/drive.hpp"
 #include "study/plan/plan_file.hpp"
 #include "study/sitting/ear_level.hpp"
+#include "study/sitting/heard_level.hpp"
 #include "support/boards.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -111,6 +112,22 @@ TEST(EarLevel, OfOneTransducerIsWorkedOut) {
   EXPECT_NEAR(two.bound_db - level.bound_db, 20 * std::log10(2.0), 0.05);
   EXPECT_LE(two.predicted_db(), two.bound_db + untried_db);
   EXPECT_GT(two.predicted_db(), two.bound_db - 1);
+}
+
+TEST(HeardLevel, IsThatOfTheEarThatIsNearer) {
+  array::Layout one;
+  one.name = "one that is heard";
+  one.transducers = {{Vec3(0, -0.2, 0), Vec3(0, 1, 0)}};
+  const array::KnownLayout known(one);
+  StudyPlan plan = plan_on(known.name());
+  const auto dba = [&](double left_m, double right_m) {
+    plan.level.ears = {Vec3(0, left_m - 0.2, 0), Vec3(0, right_m - 0.2, 0)};
+    return predict_heard_level(plan, {&cube, 1}).high_dba;
+  };
+  const double near = dba(0.4, 0.4);
+  EXPECT_GT(near, dba(0.9, 0.9) + 3);
+  EXPECT_DOUBLE_EQ(dba(0.4, 0.9), near) << "the left ear";
+  EXPECT_DOUBLE_EQ(dba(0.9, 0.4), near) << "the right ear";
 }
 
 TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
