@@ -52,7 +52,7 @@ void add_options_of_calibrate(CLI::App& app, CalibrateCommand& o) {
   line::exclude(app, "--target", {"--source", "--frames", "--background", "--noise-free", "--out", "--nudge"});
   line::exclude(app, "--background", {"--at", "--turn", "--nudge"});
   line::exclude(app, "--nudge", {"--at", "--turn"});
-  line::exclude(app, "--by-touch", {"--target", "--background", "--at", "--turn", "--scene"});
+  line::exclude(app, "--by-touch", {"--target", "--background", "--at", "--turn", "--scene", "--frames"});
 }
 
 /// What was written for a printer, and the next steps.

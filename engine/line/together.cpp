@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <CLI/App.hpp>
+#include <CLI/Error.hpp>
 #include <algorithm>
 
 namespace palpa::line {
@@ -10,6 +11,10 @@ namespace {
 
 std::string name_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? std::string() : "--" + option.get_lnames().front();
+}
+
+std::string both(const std::string& one, const std::string& other) {
+  return fmt::format("{} and {} exclude each other: give one of them", one, other);
 }
 
 /// The last of the given options that it excludes: options are added after those that they imply, which nobody may have
@@ -36,8 +41,13 @@ void need(CLI::App& app, std::initializer_list<std::string> options, const std::
 
 void imply(CLI::App& app, const std::string& option, const std::string& other) {
   CLI::Option* const implied = app.get_option(other);
-  app.get_option(option)->each([implied](const std::string&) {
-    if (implied->count() == 0) implied->add_result("true");
+  app.get_option(option)->each([option, other, implied, added = false](const std::string&) mutable {
+    if (implied->count() == 0) {
+      implied->add_result("true");
+      added = true;
+    } else if (!added) {
+      throw CLI::ParseError(both(other, option), CLI::ExitCodes::ExcludesError);
+    }
   });
 }
 
@@ -62,7 +72,7 @@ std::string misfit(const CLI::App& app, const Given& given) {
       if (!given.contains(name_of(*other))) return fmt::format("{} goes with {}", name, name_of(*other));
     }
     const std::string excluded = last_excluded(app, *option, given);
-    if (!excluded.empty()) return fmt::format("{} and {} exclude each other: give one of them", name, excluded);
+    if (!excluded.empty()) return both(name, excluded);
   }
   return {};
 }

@@ -14,7 +14,8 @@ namespace palpa::line {
 /// Without `other`, these options have no effect: "--slot goes with --touch". All must have been added.
 void need(CLI::App& app, std::span<const std::string> options, const std::string& other);
 void need(CLI::App& app, std::initializer_list<std::string> options, const std::string& other);
-/// A line with `option` counts as one with the flag `other`, too.
+/// A line with `option` counts as one with the flag `other`, too. A line with both is refused: `option` is another kind
+/// of `other`.
 void imply(CLI::App& app, const std::string& option, const std::string& other);
 /// Beside `option`, the others have no effect or another meaning: "--linear and --crest exclude each other".
 void exclude(CLI::App& app, const std::string& option, std::initializer_list<std::string> others);

@@ -9,6 +9,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,14 @@ constexpr double across_m = 0.16;                // maximum distance between the
 constexpr double on_face_m = 3e-3;               // maximum distance of a patch's middle from the target
 constexpr double sample_m = 4e-3;                // distance between samples of the target's surface
 constexpr double hit_m = 2.5e-3, past_m = 8e-3;  // a seen point is on the surface; is behind the surface
-constexpr double least_facing = 0.25;            // cosine above which a sample should be visible
-constexpr std::uint64_t least_seen = 2000;       // pixels
-constexpr int least_hits = 100;                  // samples: 16 square centimetres
+// Samples beyond the faces: their distances from the target; a seen point is in the plane; the cosine from which on
+// they are looked at; as many, and as many of the hits, are no chance.
+constexpr double least_beyond_m = 8e-3, most_beyond_m = 14e-3, in_plane_m = 1.5e-3, facing_beyond = 0.1;
+constexpr int many_beyond = 10;
+constexpr double share_beyond = 0.01;
+constexpr double least_facing = 0.25;       // cosine above which a sample should be visible
+constexpr std::uint64_t least_seen = 2000;  // pixels
+constexpr int least_hits = 100;             // samples: 16 square centimetres
 constexpr double least_agreement = 0.8;
 constexpr double rival_share = 0.8;  // of the best score: a rival with more is too close
 constexpr std::size_t most_candidates = 8, most_points = 30000;
@@ -45,8 +51,10 @@ struct Sample {
 struct Candidate {
   Transform T_target_camera{1.0};
   int hits = 0, past = 0;
-  double score() const { return hits - 2.0 * past; }
-  double agreement() const { return hits > 0 ? static_cast<double>(hits) / (hits + past) : 0; }
+  int beyond = 0;  ///< samples beyond a face where the camera sees something in the face's plane
+  bool goes_on() const { return beyond >= many_beyond && beyond > share_beyond * hits; }
+  double score() const { return hits - 2.0 * (past + beyond); }
+  double agreement() const { return hits > 0 ? static_cast<double>(hits) / (hits + past + beyond) : 0; }
 };
 
 Error refused(const Camera& camera, const std::string& fault) {
@@ -81,6 +89,28 @@ std::vector<Sample> samples_of(const geometry::Mesh& mesh) {
   return samples;
 }
 
+/// Samples of the faces' planes just beyond the faces. Where the target is, nothing is seen there; but a wrong pose
+/// that takes a board for the plate, 6 mm above it, shifts the slopes in their own planes.
+std::vector<Sample> samples_beyond(const std::vector<geometry::Plane>& faces, const geometry::MeshFit& fit) {
+  constexpr double reach_m = 0.1;
+  std::vector<Sample> samples;
+  for (const geometry::Plane& face : faces) {
+    const bool plate = face.normal.z == 1;
+    const Vec3 across = plate ? Vec3(1, 0, 0) : glm::normalize(glm::cross(Vec3(0, 0, 1), face.normal)),
+               up = glm::cross(face.normal, across);
+    for (double u = -reach_m; u <= reach_m; u += sample_m) {
+      for (double v = -reach_m; v <= reach_m; v += sample_m) {
+        const Vec3 at = face.offset * face.normal + u * across + v * up;
+        const double side = std::max(std::abs(at.x), std::abs(at.y));
+        if (plate ? side < TargetSize::plate_half : at.z < TargetSize::plate_thickness) continue;
+        const double off_m = fit.distance(at, most_beyond_m);
+        if (off_m > least_beyond_m && off_m < most_beyond_m) samples.push_back({at, face.normal});
+      }
+    }
+  }
+  return samples;
+}
+
 /// The rotation nearest to a matrix that is nearly one: Newton's iteration for the polar decomposition.
 glm::dmat3 nearest_rotation(glm::dmat3 m) {
   for (int i = 0; i < 20; ++i)
@@ -97,6 +127,7 @@ class Search {
         fit_(mesh_),
         faces_(target_faces()),
         samples_(samples_of(mesh_)),
+        beyond_(samples_beyond(faces_, fit_)),
         patches_(find_flat_patches(image)) {}
 
   FoundTarget run() {
@@ -107,6 +138,9 @@ class Search {
       look(candidate);
     }
     best = distinct(std::move(best));
+    const bool any = !best.empty();
+    std::erase_if(best, [](const Candidate& candidate) { return candidate.goes_on(); });
+    if (any && best.empty()) throw goes_on();
     if (best.empty() || best[0].hits < least_hits || best[0].agreement() < least_agreement) throw not_seen();
     if (best.size() > 1 && best[1].agreement() >= least_agreement && best[1].score() > rival_share * best[0].score()) {
       throw refused(camera_,
@@ -141,6 +175,13 @@ class Search {
             "does not see the target: {}, and no three of their {} flat patches are faces of the target; aim the "
             "camera so that it sees the plate and two slopes, nearer than 0.8 m and with nothing in front of them",
             what_is_seen(image_), patches_.size()));
+  }
+
+  Error goes_on() const {
+    return refused(camera_,
+                   "what looks like the target's plate or slopes goes on beyond them, and may be the board beneath it: "
+                   "aim the camera from higher up, so that it sees the plate and two slopes, each at more than 20 "
+                   "degrees, and take away what touches the target");
   }
 
   /// The best poses according to sets of three patches.
@@ -211,22 +252,37 @@ class Search {
   /// Compares the camera's view with the target's expected surface.
   void look(Candidate& candidate) const {
     const Transform T_camera_target = glm::inverse(candidate.T_target_camera);
-    candidate.hits = candidate.past = 0;
+    candidate.hits = candidate.past = candidate.beyond = 0;
     for (const Sample& sample : samples_) {
-      const Vec3 at = transform_point(T_camera_target, sample.position);
-      const Vec3 normal = transform_direction(T_camera_target, sample.normal);
-      if (at.z <= 0 || glm::dot(normal, at) > -least_facing * glm::length(at)) continue;
-      const Vec2 pixel = project(camera_, at);
-      const double u = std::round(pixel.x), v = std::round(pixel.y);
-      if (!(u >= 0 && v >= 0 && u < image_.width && v < image_.height)) continue;
-      const glm::vec3& seen = image_.at(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v));
-      if (seen.z <= 0) continue;
-      const double off = glm::dot(normal, Vec3(seen) - at);
-      if (std::abs(off) < hit_m)
+      const std::optional<Behind> seen = behind(T_camera_target, sample, least_facing);
+      if (!seen) continue;
+      if (std::abs(seen->off_m) < hit_m)
         ++candidate.hits;
-      else if (off < -hit_m && seen.z - at.z > past_m)
+      else if (seen->off_m < -hit_m && seen->farther_m > past_m)
         ++candidate.past;
     }
+    for (const Sample& sample : beyond_) {
+      const std::optional<Behind> seen = behind(T_camera_target, sample, facing_beyond);
+      if (seen && std::abs(seen->off_m) < in_plane_m) ++candidate.beyond;
+    }
+  }
+
+  /// What the camera sees in the direction of a sample: its distance from the sample's plane, and how much farther away
+  /// it is.
+  struct Behind {
+    double off_m, farther_m;
+  };
+  /// nullopt where the sample faces away, or nothing is seen.
+  std::optional<Behind> behind(const Transform& T_camera_target, const Sample& sample, double facing) const {
+    const Vec3 at = transform_point(T_camera_target, sample.position);
+    const Vec3 normal = transform_direction(T_camera_target, sample.normal);
+    if (at.z <= 0 || glm::dot(normal, at) > -facing * glm::length(at)) return std::nullopt;
+    const Vec2 pixel = project(camera_, at);
+    const double u = std::round(pixel.x), v = std::round(pixel.y);
+    if (!(u >= 0 && v >= 0 && u < image_.width && v < image_.height)) return std::nullopt;
+    const glm::vec3& seen = image_.at(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v));
+    if (seen.z <= 0) return std::nullopt;
+    return Behind{glm::dot(normal, Vec3(seen) - at), seen.z - at.z};
   }
 
   /// The best candidate of each neighbourhood, the best first.
@@ -294,7 +350,7 @@ class Search {
   geometry::Mesh mesh_;
   geometry::MeshFit fit_;
   std::vector<geometry::Plane> faces_;
-  std::vector<Sample> samples_;
+  std::vector<Sample> samples_, beyond_;
   std::vector<FlatPatch> patches_;
 };
 

@@ -49,6 +49,23 @@ TEST(Together, AreRefusedByTheParser) {
   EXPECT_THROW(Command().read({"--slot", "1", "--help"}), CLI::CallForHelp);
 }
 
+TEST(Together, AFlagThatImpliesAnotherIsNotGivenBesideIt) {
+  CLI::App app("", "try");
+  bool whole = false, part = false;
+  const Group group(app, "What");
+  group.flag("--whole", whole, "whole");
+  group.flag("--part", part, "part");
+  imply(app, "--part", "--whole");
+  const auto read = [&](std::vector<const char*> words) {
+    words.insert(words.begin(), "try");
+    parse(app, static_cast<int>(words.size()), words.data());
+  };
+  for (const auto& words : {std::vector{"--part", "--whole"}, std::vector{"--whole", "--part"}})
+    EXPECT_ERROR(read(words), Exit::usage, "--whole and --part exclude each other: give one of them; see try --help");
+  read({"--part"});
+  EXPECT_TRUE(whole && part);
+}
+
 TEST(Together, ValuesFromElsewhereAreTheSame) {
   const Command command;
   EXPECT_EQ(misfit(command.app, {{"--slot", {"1"}}}), "--slot goes with --touch");

@@ -232,6 +232,19 @@ TEST(FindTarget, RefusesPointsThatDoNotFixThePose) {
   expect_refused(camera, only(whole, camera, barely), {"does not fix the target in all six directions"});
 }
 
+TEST(FindTarget, ABoardIsNotTakenForThePlateThatStandsOnIt) {
+  // Low over the board's corner, the camera sees two slopes, little of the plate, and much of the board 6 mm beneath. A
+  // pose with the board as the plate fits all of these points, 10 mm off.
+  const auto level = [](double high_m) { return looking({0, 0, high_m}, 0.396, 0, 225); };
+  for (const double high_m : {0.1, 0.094}) {
+    SCOPED_TRACE(high_m);
+    const Camera camera = level(high_m);
+    EXPECT_LT(off(find_target(camera, seen(camera, board())).T_camera_target, camera).metres, 0.2e-3);
+  }
+  const Camera lower = level(0.088);
+  expect_refused(lower, seen(lower, board()), {"goes on beyond them, and may be the board", "from higher up"});
+}
+
 TEST(StillFrames, LeavesOutWhatMovesAndWhatIsSeldomSeen) {
   Camera camera = test::d415(Transform(1.0));
   camera.name = "one";

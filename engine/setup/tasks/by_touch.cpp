@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/files/json_writer.hpp"
 #include "base/files/output_file.hpp"
+#include "base/log.hpp"
 #include "setup/files/assets.hpp"
 #include "setup/sessions/tracker.hpp"
 #include "setup/tasks/calibrate.hpp"
@@ -30,6 +31,14 @@ std::string to_json(const std::vector<TouchedCamera>& cameras, bool saved) {
   }
   json.end_array().end_object();
   return json.take();
+}
+
+void warn_of_wrong_touch(const TouchedCamera& camera) {
+  if (!camera.wrong) return;
+  log::warning(fmt::format(
+      "camera \"{}\": the touch of focus {} is left out: it was {:.0f} mm from where the others say; if there are more "
+      "such, begin again",
+      camera.name, camera.wrong->focus + 1, camera.wrong->off_m * 1e3));
 }
 
 std::string summary_of(const std::vector<TouchedCamera>& cameras, const std::string& out) {
@@ -78,6 +87,7 @@ std::string ByTouch::finish(bool saves, const std::string& json) const {
     for (std::size_t i = 0; i < found.size(); ++i) {
       rig.cameras[i].T_world_camera = found[i].T_world_camera;
       rig.cameras[i].residual_m = found[i].residual_m;
+      warn_of_wrong_touch(found[i]);
     }
     write_rig(out_, rig);
   }

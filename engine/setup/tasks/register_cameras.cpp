@@ -27,6 +27,8 @@ namespace {
 
 /// People find a focus to some millimetres.
 constexpr double usual_off_m = 5e-3, most_residual_m = 12e-3, least_height_m = 30e-3;
+/// A touch that is so far from where the others say, and so many times their residual, was another place.
+constexpr double least_wrong_m = 12e-3, wrong_times = 3;
 constexpr std::uint64_t background_frames = 45;
 /// Frames of a touch that are kept; their mean counts.
 constexpr std::size_t most_frames = 6, least_frames = 3;
@@ -61,20 +63,51 @@ Transform pose_to_begin(const sensing::Camera& guess) {
   return glm::rotate(Transform(1.0), glm::radians(180.0), Vec3(1, 0, 0));
 }
 
-/// The fit with the array where this pose says it is. `found`: the number of touches with a fingertip.
-RigidFit fit_from(const Transform& pose, std::span<const SeenTouch> touches, const array::Layout& layout,
-                  std::vector<Vec3>& tips) {
-  std::vector<Vec3> places;
-  tips.clear();
-  for (const SeenTouch& touch : touches) {
-    const Vec3 way = way_at(layout, touch.focus_m);
-    const auto tip = mean_tip(touch.frames, glm::normalize(transform_direction(glm::inverse(pose), way)));
-    if (!tip) continue;
-    tips.push_back(tip->centre_m);
-    places.push_back(touch.focus_m - tip->radius_m * towards_array(layout, touch.focus_m));
+/// The fingertips that a camera saw, where the foci say they were, and the numbers of these foci from 0.
+struct Tips {
+  std::vector<Vec3> seen, places;
+  std::vector<std::size_t> foci;
+
+  bool fix_a_pose() const { return seen.size() >= least_touches && height_of(seen) >= least_height_m; }
+  RigidFit fit() const { return fit_rigid_robustly(seen, places, usual_off_m); }
+  Tips without(std::size_t one) const {
+    Tips rest = *this;
+    const auto at = static_cast<std::ptrdiff_t>(one);
+    rest.seen.erase(rest.seen.begin() + at);
+    rest.places.erase(rest.places.begin() + at);
+    rest.foci.erase(rest.foci.begin() + at);
+    return rest;
   }
-  if (tips.size() < least_touches || height_of(tips) < least_height_m) return {};
-  return fit_rigid_robustly(tips, places, usual_off_m);
+};
+
+/// The tips with the array where this pose says it is. The skin that touches a focus is the end of the finger on the
+/// way to the array.
+Tips tips_from(const Transform& pose, std::span<const SeenTouch> touches, const array::Layout& layout) {
+  Tips tips;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const Vec3 way = way_at(layout, touches[i].focus_m);
+    const auto tip = mean_tip(touches[i].frames, glm::normalize(transform_direction(glm::inverse(pose), way)));
+    if (!tip) continue;
+    tips.seen.push_back(tip->centre_m);
+    tips.places.push_back(touches[i].focus_m - tip->radius_m * way);
+    tips.foci.push_back(i);
+  }
+  return tips;
+}
+
+/// Leaves out the touch that stands out most: one that is far from where all others, together, say that it was. At most
+/// one: of two, either might be right.
+void leave_out_wrong(Tips& tips, RigidFit& fit, TouchedCamera& camera) {
+  if (tips.seen.size() <= least_touches) return;
+  const auto worst = static_cast<std::size_t>(std::ranges::max_element(fit.off_m) - fit.off_m.begin());
+  const Tips rest = tips.without(worst);
+  if (!rest.fix_a_pose()) return;
+  const RigidFit others = rest.fit();
+  const double off_m = glm::distance(transform_point(others.T_to_from, tips.seen[worst]), tips.places[worst]);
+  if (off_m < least_wrong_m || off_m < wrong_times * others.residual_m) return;
+  camera.wrong = WrongTouch{tips.foci[worst], off_m};
+  tips = rest;
+  fit = others;
 }
 
 /// A fingertip in the top of assets/cube.glb.
@@ -143,19 +176,20 @@ TouchedCamera register_camera(const sensing::Camera& guess, std::span<const Seen
                               const array::Layout& layout) {
   TouchedCamera camera{.name = guess.name, .T_world_camera = pose_to_begin(guess)};
   RigidFit fit;
-  std::vector<Vec3> tips;
   constexpr int iterations = 5;
   for (int i = 0; i < iterations; ++i) {
-    fit = fit_from(camera.T_world_camera, touches, layout, tips);
-    if (fit.off_m.empty()) break;
+    Tips tips = tips_from(camera.T_world_camera, touches, layout);
+    if (!tips.fix_a_pose()) {
+      throw failure(fmt::format(
+          "--by-touch: camera \"{}\" saw {} of {} touches{}, and {} that are wide apart are needed: nothing is saved; "
+          "point with one finger to the array, where the camera sees its tip",
+          guess.name, tips.seen.size(), touches.size(), tips.seen.size() < least_touches ? "" : ", nearly on a line",
+          least_touches));
+    }
+    fit = tips.fit();
+    camera.wrong.reset();
+    leave_out_wrong(tips, fit, camera);
     camera.T_world_camera = fit.T_to_from;
-  }
-  if (fit.off_m.empty()) {
-    throw failure(fmt::format(
-        "--by-touch: camera \"{}\" saw {} of {} touches{}, and {} that are wide apart are needed: nothing is saved; "
-        "point with one finger to the array, where the camera sees its tip",
-        guess.name, tips.size(), touches.size(), tips.size() < least_touches ? "" : ", nearly on a line",
-        least_touches));
   }
   if (!(fit.residual_m <= most_residual_m)) {
     throw failure(

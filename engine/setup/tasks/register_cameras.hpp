@@ -2,11 +2,12 @@
 // touches each with a fingertip that points to the array. Where a camera saw the fingertip gives its pose. Metres.
 //
 // 1. The first frames show no hand: they are the background. Whatever is nearer later is the hand.
-// 2. The end of the hand that is nearest to the array is a ball (sensing/find_fingertip.hpp). Its centre is a radius
-//    farther away from the array than the focus. Where the array is, is known from the pose: the first time the rig's,
-//    then the one that was found, until it no longer changes.
+// 2. The end of the hand that is nearest to the array, or lowest in an array that is all around, is a ball
+//    (sensing/find_fingertip.hpp). The focus is at this end: the ball's centre is a radius farther away from the array,
+//    or higher. Where the array is, is known from the pose: the first time the rig's, then the one that was found,
+//    until it no longer changes.
 // 3. The pose is the rigid transform of the centres to these places (setup/rigid_fit.hpp), with less weight for touches
-//    that fit badly.
+//    that fit badly, and without one that stands out.
 #pragma once
 
 #include <array>
@@ -49,12 +50,19 @@ struct SeenTouch {
   std::vector<std::vector<Vec3>> frames;
 };
 
+/// A touch that was left out, because it does not fit the others.
+struct WrongTouch {
+  std::size_t focus = 0;  ///< its number, from 0
+  double off_m = 0;       ///< from where the others say that the focus was
+};
+
 struct TouchedCamera {
   std::string name;
   Transform T_world_camera{1.0};
   double residual_m = 0;               ///< rms distance of the fingertips from where the foci say they were
   double moved_m = 0, turned_rad = 0;  ///< relative to the guess
-  std::size_t seen = 0;                ///< how many foci it saw touched
+  std::size_t seen = 0;                ///< how many of the touches that it saw count
+  std::optional<WrongTouch> wrong{};
 };
 
 /// At least so many touches give a pose.

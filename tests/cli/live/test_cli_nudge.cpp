@@ -253,6 +253,9 @@ TEST_F(ByTouch, NothingIsSavedBeforeTheLastFocus) {
   for (const auto& [more, fault] : {std::pair("--at", "--at and --by-touch exclude each other"),
                                     {"--turn", "--turn and --by-touch exclude each other"}})
     expect_failure(palpa_here(with(touch("q"), {more, std::string(more) == "--at" ? "0,0,1cm" : "90"})), 2, fault);
+  expect_failure(palpa_here(with(touch("q"), {"--nudge"})), 2, "--nudge and --by-touch exclude each other");
+  expect_failure(palpa_here(with(touch("q"), {"--frames", "9"})), 2, "--frames and --by-touch exclude each other");
+  expect_failure(palpa_here(with(touch("q"), {"--scene", "cube.glb"})), 2, "--by-touch and --scene exclude each other");
   expect_failure(palpa_here(with(touch("q"), {"--source", "joints:hands.jsonl"})), 2, "--by-touch goes with cameras");
 }
 

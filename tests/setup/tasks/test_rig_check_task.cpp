@@ -91,6 +91,14 @@ TEST(RigCheck, TheRigsOfAllBoardsStandAlikeAndFarEnoughAway) {
   }
 }
 
+TEST(RigCheck, ACameraSoLowThatTheBoardLooksLikeThePlateIsNotWell) {
+  sensing::Rig rig = sensing::load_rig(own_rig("openmpd-one"));
+  rig.cameras[0].T_world_camera[3].y = -0.1;
+  const setup::CameraCheck low = check_of(rig).cameras[0];
+  EXPECT_EQ(low.hold, 0);
+  EXPECT_CONTAINS(low.target_fault, "may be the board beneath it");
+}
+
 TEST(RigCheck, WhatACameraCannotSeeCountsAsNotSeen) {
   sensing::Rig rig = sensing::load_rig(own_rig("openmpd-two"));
   sensing::Camera &masked = rig.cameras[0], &away = rig.cameras[1];
