@@ -63,11 +63,11 @@ endfunction()
 # [LIVE] [ALONE]): a topic of tests, one ctest entry. The topics of a folder share one GoogleTest program, tests_FOLDER.
 # ctest runs it once for each topic, with only the tests of the topic's sources (tests/support/main.cpp). Building NAME
 # builds that program. ALONE: the topic has its own program. A test may include the embedded SPIR-V
-# ("spirv/name.comp.hpp") of any library that it links. COST is the approximate time of long tests in seconds. ctest
-# starts these first; after a first run, it knows the times itself. WAITS: the test mostly waits for clocks and for
-# programs that wait; two such tests run in the place of one that computes. LIVE: its outcome depends on how fast the
-# machine is, because it needs real processes, clocks, terminals or windows; it gets the label live, and only ./dev test
-# live runs it. NEEDS: additional targets that must be built.
+# ("spirv/name.comp.hpp") of any library that it links. COST is the approximate time of long tests in seconds, which ctest
+# starts first. It learns the times of tests without COST; a given one stays, so it must be about right. WAITS: the test
+# mostly waits for clocks and for programs that wait; two such tests run in the place of one that computes. LIVE: its
+# outcome depends on how fast the machine is, because it needs real processes, clocks, terminals or windows; it gets the
+# label live, and only ./dev test live runs it. NEEDS: additional targets that must be built.
 function(palpa_test NAME)
   cmake_parse_arguments(TEST "ALONE;WAITS;LIVE" "COST" "SOURCES;LINKS;LABELS;NEEDS;DEFINES;SHADERS" ${ARGN})
   # A build that looks for data races builds nothing else.

@@ -189,7 +189,7 @@ py::object evaluate(SensationObject& o, const py::object& times_given, const py:
     const sensation::Evaluation at = o.pattern->step(times[i], values, state);
     places.push_back(1e-3 * at.place_mm);
     intensities.push_back(at.intensity);
-    gains.push_back(std::isfinite(at.intensity) ? std::clamp(at.intensity, 0.0, 1.0) : 0.0);
+    gains.push_back(is_finite(at.place_mm) && std::isfinite(at.intensity) ? std::clamp(at.intensity, 0.0, 1.0) : 0.0);
     pattern_times.push_back(1e-3 * at.pattern_ms);
     stops.push_back(at.stop ? 1 : 0);
   }

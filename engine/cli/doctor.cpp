@@ -71,8 +71,10 @@ struct DoctorOptions {
 
 void add_options_of_doctor(CLI::App& app, DoctorOptions& o) {
   const line::Group group(app, "Cameras");
-  group.text("--write-rig", o.write_rig, "FILE",
-             "writes a rig with the depth cameras that are plugged in; palpa calibrate then finds their poses");
+  group.text(
+      "--write-rig", o.write_rig, "FILE",
+      "writes a rig with the depth cameras that are plugged in, at the places and with the array of --rig, if it "
+      "is given; palpa calibrate then finds their poses");
   group.text("--source", o.source, "SOURCE",
              "with --write-rig: takes the cameras of recording:DIR or bag:FILE [those plugged in]");
   line::need(app, {"--source"}, "--write-rig");
@@ -209,7 +211,7 @@ std::string doctor_json(const std::vector<DoctorSection>& sections, bool ok, con
 /// Returns a message about the written file.
 std::string write_found_rig(const DoctorOptions& options, const Extensions& extensions) {
   const CamerasThere there = cameras_there(extensions, options.source);
-  write_file(options.write_rig, rig_of(there, options.write_rig));
+  write_file(options.write_rig, rig_of(there, options.write_rig, options.rig.rig));
   return fmt::format("{}: {} of --source {}; palpa calibrate finds out where {}\n", options.write_rig,
                      counted(there.cameras.size(), "camera"), there.source,
                      there.cameras.size() == 1 ? "it is" : "they are");

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "sensing/find_target.hpp"
+#include "sensing/rig.hpp"
 #include "sensing/rig_toml.hpp"
 #include "session/links/sources.hpp"
 #include "setup/sessions/frames.hpp"
@@ -73,6 +75,32 @@ DoctorItem camera_item(const setup::CameraCheck& camera) {
   return item;
 }
 
+std::string text_of(const CameraThere& one) {
+  return fmt::format("\n# {}\n{}", one.note, sensing::to_toml(one.camera));
+}
+
+std::string rig_like(const CamerasThere& there, const std::string& file, const std::string& like) {
+  const sensing::Rig placed = sensing::load_rig(like);
+  if (!placed.array) throw bad_input(like, "has no [array], which --write-rig takes from it");
+  if (placed.cameras.size() != there.cameras.size()) {
+    throw bad_input(like, fmt::format("has {}, but {} are there: --write-rig takes the poses from it, one for each",
+                                      counted(placed.cameras.size(), "camera"), there.cameras.size()));
+  }
+  std::string text = fmt::format(
+      "# By palpa doctor: cameras in the order of --source {0}\n"
+      "#\n"
+      "# The array and the poses are those of {2}: put everything there. Then\n"
+      "#   palpa calibrate --rig {1} --source {0} --out calibrated.toml\n"
+      "# with the printed target on the array, or with --by-touch, finds the true poses.\n",
+      there.source, file, like);
+  for (std::size_t i = 0; i < placed.cameras.size(); ++i) {
+    CameraThere one = there.cameras[i];
+    one.camera.T_world_camera = placed.cameras[i].T_world_camera;
+    text += text_of(one);
+  }
+  return text + "\n" + sensing::to_toml(sensing::Rig{.array = placed.array});
+}
+
 }  // namespace
 
 CamerasThere cameras_there(const Extensions& extensions, const std::string& source) {
@@ -85,7 +113,8 @@ CamerasThere cameras_there(const Extensions& extensions, const std::string& sour
   return there;
 }
 
-std::string rig_of(const CamerasThere& there, const std::string& file) {
+std::string rig_of(const CamerasThere& there, const std::string& file, const std::string& like) {
+  if (!like.empty()) return rig_like(there, file, like);
   std::string text = fmt::format(
       "# By palpa doctor: cameras in the order of --source {0}\n"
       "#\n"
@@ -95,7 +124,7 @@ std::string rig_of(const CamerasThere& there, const std::string& file) {
       "#   palpa calibrate --rig {1} --layout LAYOUT --source {0} --out calibrated.toml\n",
       there.source, file);
   for (const CameraThere& one : there.cameras)
-    text += fmt::format("\n# {}\n{}", one.note, sensing::to_toml(one.camera));
+    text += text_of(one);
   return text;
 }
 

@@ -41,6 +41,12 @@ namespace {
 constexpr const char* no_terminal =
     ": stdin is not a terminal, so keys cannot be pressed; give them as --keys \"right*3 enter\"";
 
+constexpr const char* guide_of_cameras =
+    "keep your hands away until the first focus sounds; then point with one finger to the array, touch each focus with "
+    "its tip, where you feel it best, hold still, and press Enter with the other hand";
+constexpr const char* guide_of_tracker =
+    "touch each focus with the index finger, where you feel it best, hold still, and press Enter with the other hand";
+
 /// Shows the state on a terminal, as soon as there is room for it.
 class Shown {
  public:
@@ -93,9 +99,10 @@ class Hand final : public session::RunObserver {
   void show() {
     const std::lock_guard lock(mutex_);
     if (!begun_) return;
-    const std::string where = nudge_->place() + "; f: finer, 0: back, Enter: save, q: leave";
-    const std::string hint = nudge_->hint().empty() ? "" : ": " + nudge_->hint();
-    shown_.show(touches_ ? fmt::format("{}{}; {}", touches_->line(), hint, where) : where);
+    if (!touches_) return shown_.show(nudge_->place() + "; f: finer, 0: back, Enter: save, q: leave");
+    const std::string hint = nudge_->hint().empty() ? "" : "not taken, " + nudge_->hint() + "; ";
+    shown_.show(fmt::format("{}: {}Enter: touched, q: leave; arrows, f: finer, 0: back: {}", touches_->line(), hint,
+                            nudge_->place()));
   }
 
  private:
@@ -215,7 +222,10 @@ void run_until_end(setup::LiveRun& live, const CalibrateCommand& o, std::atomic<
   if (!o.keys.empty()) script = parse_keys("--keys", o.keys);
   Hand hand(live.session(), nudge, touches, std::move(script), stop, o.common.quiet);
   std::optional<Typing> typing;
-  if (o.keys.empty()) typing.emplace(hand, o.by_touch ? "--by-touch" : "--nudge");
+  if (o.keys.empty()) {
+    if (touches) log::at_once(o.by_touch ? guide_of_cameras : guide_of_tracker);
+    typing.emplace(hand, o.by_touch ? "--by-touch" : "--nudge");
+  }
   log::release_warnings();
   live.run(hand);
 }
@@ -246,8 +256,7 @@ KeysEnd run_with_keys(const CalibrateCommand& o, std::span<const session::Source
   end.saves = nudge.end() == setup::Nudge::End::save && !setup::Interrupt::signalled();
   end.offset_m = nudge.offset();
   if (!end.saves && nudge.end() != setup::Nudge::End::leave && !setup::Interrupt::signalled()) {
-    throw failure(fmt::format("{}: nothing is saved, because it ended before Enter was pressed{}", mode,
-                              touches ? " at " + touches->line() : ""));
+    throw failure(fmt::format("{}: nothing is saved, because {}", mode, nudge.why_unsaved()));
   }
   return end;
 }

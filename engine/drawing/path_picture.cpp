@@ -66,7 +66,9 @@ void draw_chart(Ink& ink, const PathPicture& picture, const Vec2& corner, const 
   for (std::uint32_t column = 0; column < columns; ++column) {
     const auto from = static_cast<std::size_t>(count * column / columns);
     const auto to = std::max(from + 1, static_cast<std::size_t>(count * (column + 1) / columns));
-    const auto [low, high] = std::ranges::minmax(picture.intensities.subspan(from, to - from));
+    // From the last one before, so that a step is a line.
+    const std::size_t before = from > 0 ? from - 1 : 0;
+    const auto [low, high] = std::ranges::minmax(picture.intensities.subspan(before, to - before));
     const double x = corner.x + column;
     ink.line({x, row(high)}, {x, row(low)}, 1.2, ink_of(high));
   }

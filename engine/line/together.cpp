@@ -6,6 +6,8 @@
 #include <CLI/Error.hpp>
 #include <algorithm>
 
+#include "base/error.hpp"
+
 namespace palpa::line {
 namespace {
 

@@ -154,6 +154,30 @@ TEST(Doctor, WritesARigForTheCamerasThatAreThere) {
   EXPECT_CONTAINS(text, "palpa calibrate --rig " + file + " --layout LAYOUT --source v4l2:/dev/video0,/dev/video4");
   EXPECT_CONTAINS(text, "T_world_camera is not known yet");
   expect_failure(doctor({"--source", "synthetic"}), 2, "--source");
+
+  const std::string two = source_file("assets/rigs/openmpd-two.toml"),
+                    one = source_file("assets/rigs/openmpd-one.toml");
+  EXPECT_EQ(doctor({"--rig", two}).err, "");
+  const sensing::Rig placed = sensing::load_rig(file), like = sensing::load_rig(two);
+  ASSERT_EQ(placed.cameras.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(placed.cameras[i].name, there.cameras[i].camera.name);
+    EXPECT_EQ(placed.cameras[i].T_world_camera, like.cameras[i].T_world_camera);
+  }
+  EXPECT_EQ(placed.array->layout, "openmpd");
+  EXPECT_EQ(placed.array->T_world_layout, like.array->T_world_layout);
+  EXPECT_CONTAINS(read_text(file), "palpa calibrate --rig " + file + " --source v4l2:/dev/video0,/dev/video4 --out");
+  expect_failure(doctor({"--rig", one}), 4, "has 1 camera, but 2 are there");
+  const std::string bare = scratch_folder("doctor-bare") / "rig.toml";
+  write_text(bare, sensing::to_toml(sensing::Rig{.cameras = like.cameras}));
+  expect_failure(doctor({"--rig", bare}), 4, "has no [array]");
+}
+
+TEST(Doctor, ALayoutThatMovesTheArrayOfARigIsTold) {
+  const std::string rig = source_file("assets/rigs/openmpd-one.toml");
+  const std::string said = "--layout openmpd puts the array at its usual place, 40 mm from the one in [array]";
+  EXPECT_CONTAINS(palpa_here({"doctor", "--rig", rig, "--layout", "openmpd"}).err, said);
+  EXPECT_EQ(palpa_here({"doctor", "--rig", rig}).err.find("usual place"), std::string::npos);
 }
 
 TEST(Doctor, SaysWhatTheCamerasOfARigWillSee) {

@@ -214,7 +214,9 @@ TEST(Play, SaysWhatIsWrong) {
 
 TEST(Play, APlaceThatCannotBeDrivenIsSilentInItsTable) {
   const std::string far = pattern_file("far", {.keyframes = key("standard", 0, coords(2e5, 0, 0) + intensity(f64(1)))});
-  for (const auto& slot : slots_of(far + " --duration 5ms"))
+  const auto slots = slots_of(far + " --duration 5ms");
+  EXPECT_FALSE(slots.empty());
+  for (const auto& slot : slots)
     EXPECT_EQ(slot[4], 0);
   EXPECT_CONTAINS(play(far + " --duration 5ms --csv /dev/null").err, "farther than 100 m from the array");
 }

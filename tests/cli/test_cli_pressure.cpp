@@ -325,7 +325,9 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
 
 TEST(CliPressure, ATouchHasItAndWhoAsksForNextToNothingLacksNothing) {
   const json touched = report_of(cube_touch({"--layout", "openmpd", "--pressure", "1.5kPa"}));
-  for (const json& pressure : touched["fingers"][0]["pressures_pa"])
+  const json& pressures = touched["fingers"][0]["pressures_pa"];
+  EXPECT_EQ(pressures.size(), 10u);
+  for (const json& pressure : pressures)
     EXPECT_NEAR(pressure, 1500, 15);
   EXPECT_EQ(palpa_here({"drive", "--layout", "openmpd", "--focus", "0,0,150mm,1e-30", "--pressure", "2kPa", "--backend",
                         "cpu"})

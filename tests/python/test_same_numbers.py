@@ -172,11 +172,6 @@ def test_csv_files(cube, finger, openmpd):
     assert openmpd.solve([0, 0, 0.15], backend="cpu").csv() == run(["drive", *drive.split()])
 
 
-def test_a_drive_from_a_touch(made_files, openmpd):
-    json = run(["drive", "--layout", "openmpd", "--touch", str(made_files / "touch.json"), "--slot", "2", "--backend", "cpu", "--json", "-"])
-    assert openmpd.solve_touch(made_files / "touch.json", slot=2, backend="cpu").json() == json
-
-
 def test_version():
     assert run(["--version"]).splitlines()[0] == f"palpa {palpa.__version__}"
 

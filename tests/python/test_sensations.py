@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import drives_in, run
+from commands import ROOT, drives_in, run
 
 
 def circle(times):
@@ -27,6 +27,16 @@ def test_a_pattern_is_where_the_command_says(tmp_path):
     assert met.sum() >= 390
     assert np.allclose(places[steps[met]], np.stack([rows["x_m"], rows["y_m"], rows["z_m"]], axis=1)[met], atol=1e-12)
     assert np.allclose(gains[steps[met]], rows["gain"][met], atol=1e-12)
+
+
+def test_where_there_is_no_place_there_is_silence():
+    ring = palpa.Sensation("circle")
+    text = (ROOT / "assets/sensations/circle.adaptics").read_text(encoding="utf-8")
+    zero = '{"type": "constant", "value": 0}'
+    ring.set_pattern(text.replace('{"type": "param", "value": "radius"}',
+                                  '{"type": "formula", "value": {"type": "divide", "value": [%s, %s]}}' % (zero, zero)))
+    places, gains = ring.evaluate([0, 0.1])
+    assert not np.isfinite(places).all(axis=1).any() and gains.tolist() == [0, 0]
 
 
 def test_parameters_are_those_that_were_given_last():

@@ -396,6 +396,7 @@ def test_the_first_sweep_of_the_page_as_it_stands(first_sweep, tmp_path):
 
 def test_the_python_of_the_page(tmp_path, monkeypatch):
     _, programs = blocks("docs/sweeps.md", "## Plans in Python")
+    assert programs
     monkeypatch.chdir(tmp_path)
     (tmp_path / "assets").symlink_to(ASSETS)
     for program in programs:

@@ -72,6 +72,18 @@ TEST(HandOver, WhatIsLostIsToldOnceWithEachHandOver) {
   EXPECT_EQ(said.find("lost"), said.rfind("lost")) << "once: " << said;
 }
 
+TEST(HandOver, OnlyAGuardWithoutRealTimeSchedulingIsAdvisedToGetIt) {
+  HandOver late = counts(680, 452);
+  late.behind->guard->drives = 452;
+  for (const Scheduling had : {Scheduling::normal, Scheduling::real_time}) {
+    late.behind->guard_scheduling = had;
+    HandOverWatch watch;
+    const std::string said = test::stderr_of([&] { watch.look(late); });
+    EXPECT_CONTAINS(said, "palpa-guard got no processor in time");
+    EXPECT_EQ(said.find("real-time") == std::string::npos, had == Scheduling::real_time) << said;
+  }
+}
+
 TEST(HandOver, AreInTheStatistics) {
   LoopStats stats;
   stats.output.hand_over = counts(680, 452, 10);

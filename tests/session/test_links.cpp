@@ -215,6 +215,23 @@ TEST(FociLink, GivesTheGainsOfAllSlotsToTheLastBit) {
   EXPECT_CONTAINS(said, "link foci: a line has at most 2048 gains that change");
 }
 
+TEST(FociLink, TheSilenceAfterLinesOfSlotsIsNotBeforeThem) {
+  Setting s;
+  const test::UdpReceiver receiver;
+  const auto link = open_link("foci:" + receiver.address(), builtin_links(), s.setting);
+  array::Schedule slots = one_finger();
+  slots.once = true;
+  slots.time_s = 0;
+  link->plan({.schedule = slots, .slots = {.from = 0, .until = 100}});
+  link->send(99, array::Drive(s.layout.transducers.size(), {1, 0}));
+  const double sounded_s = nlohmann::json::parse(receiver.next())["time_s"].get<double>();
+  EXPECT_GT(sounded_s, 0.01);
+  link->plan({.schedule = {}});
+  const nlohmann::json silence = nlohmann::json::parse(receiver.next());
+  EXPECT_TRUE(silence["fingers"].empty());
+  EXPECT_GE(silence["time_s"].get<double>(), sounded_s);
+}
+
 /// The largest number of fingers and foci: about 160 kB of JSON.
 array::Schedule too_long_for_a_datagram() {
   array::Schedule schedule;

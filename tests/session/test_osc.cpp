@@ -129,6 +129,19 @@ TEST_F(OscTest, TheNewestValuesAreThereAtTheNextFrame) {
   EXPECT_EQ(stats.refused, 0U);
 }
 
+TEST_F(OscTest, AGainMayBeZeroAndOneAndNothingBeyond) {
+  Osc osc(address);
+  osc.listen(session, moves);
+  for (const float gain : {0.0F, 1.0F, std::nextafter(1.0F, 2.0F), -std::numeric_limits<float>::denorm_min()})
+    settle(osc, message("/palpa/gain", {gain}));
+  UdpSender sender(address, "test", "");
+  sender.send(message("/palpa/gain", {0}));
+  sender.send(message("/palpa/pose/cube", {0, 0, 0}));
+  EXPECT_TRUE(test::begins([&] { return osc.before_frame(session), moves.count == 1; }));
+  EXPECT_EQ(osc.gain(), 0.0);
+  EXPECT_EQ(osc.end().refused, 2U);
+}
+
 TEST_F(OscTest, ASolidFeelsAsMessagesSay) {
   Osc osc(address);
   osc.listen(session, moves);

@@ -138,6 +138,7 @@ TEST_P(Touching, AsksForAPressureAndTellsWhatItReaches) {
   ASSERT_EQ(session.schedule().voice_count, 1U);
   EXPECT_NEAR(session.schedule().voices[0].reached_pa.value_or(0), 750, 1);
   const auto pressures = foci_pressures(session.plan(), session.setting());
+  EXPECT_FALSE(pressures.at(0).empty());
   for (const double pressure : pressures[0])
     EXPECT_NEAR(pressure, 750, 2);
   const bool timed = std::ranges::any_of(
@@ -404,6 +405,39 @@ TEST_P(Touching, AnotherSceneComesBetweenTwoFrames) {
   EXPECT_NE(live.told.back().finger, release->finger) << "numbers go on counting";
   EXPECT_EQ(live.told.back().kind, EventKind::release);
   EXPECT_TRUE(live.link.ended_silent());
+}
+
+/// A link that plays plans by its own clock.
+struct PlanLink final : test::SpyLink {
+  bool plays_plans() const override { return true; }
+};
+
+TEST(SessionRuns, PlansOfAnotherSceneListStandingDrivesToo) {
+  Live live;
+  live.setting.predict = {Predict::automatic, 0.02};
+  live.options.every_frame = false;
+  AnotherScene changes;
+  live.options.changes = &changes;
+  changes.frames = 5;  // its solid stays
+  SessionSetting setting = live.setting;
+  setting.solids[0].name = "other";
+  changes.next = std::make_unique<Session>(setting);
+  int here = 0, other = 0;  // plans whose foci move
+  live.watcher.on_planned = [&](const FrameReport&, const Plan& plan) {
+    if (!plan.schedule.advance.moves()) return;
+    EXPECT_EQ(plan.standing, plan.cycle.length) << here << ", " << other;
+    const bool changed = plan.schedule.solid_names != nullptr;
+    if (!changed && ++here == 1) changes.ready = true;
+    if (changed && ++other == 2) live.stop = true;
+  };
+  const auto source = sensing::make_synthetic_source(
+      live.setting.cameras, test::finger_skin().mesh, {},
+      {.motion = [](double t) { return glm::translate(Transform(1.0), Vec3(6e-3 * std::sin(15 * t), -3e-3, 0)); },
+       .frames = 900});
+  PlanLink link;
+  Session(live.setting).run(*source, link, live.stop, live.options);
+  EXPECT_GT(here, 0);
+  EXPECT_GE(other, 2);
 }
 
 TEST(SessionRuns, ToAnErrorInSilenceAndLetsGo) {

@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/error.hpp"
 #include "geometry/gltf/gltf.hpp"
+#include "session/stepped_clock.hpp"
 #include "setup/sessions/scene_reload.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
@@ -39,10 +38,14 @@ struct SceneReloadTest : testing::Test {
   void SetUp() override {
     test::write_text(file, "first");
     running = session_of(file);
-    reload = std::make_unique<SceneReload>(file.string(), look_at_scene(file.string()), [this] {
+    start(session::real_clock());
+  }
+  void start(const session::Clock& clock) {
+    const auto load = [this] {
       ++loads;
       return session_of(file);
-    });
+    };
+    reload = std::make_unique<SceneReload>(file.string(), look_at_scene(file.string()), load, clock);
   }
   /// Replaces the file at once, as many editors do.
   void save(const std::string& text) {
@@ -98,10 +101,16 @@ TEST_F(SceneReloadTest, ABrokenOrMissingOneChangesNothingAndIsToldEachTime) {
 }
 
 TEST_F(SceneReloadTest, AFileThatNobodySavesIsNotRead) {
+  const test::SteppedClock clock;
+  start(clock);
   test::write_text(file.string() + ".other", "other");
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  clock.sleep(10);
   EXPECT_TRUE(has("first"));
   EXPECT_EQ(loads, 0);
+  save("second");
+  clock.sleep(10);
+  EXPECT_TRUE(has("second"));
+  reload.reset();
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "array/drive.hpp"
 #include "study/plan/plan_file.hpp"
 #include "study/sitting/ear_level.hpp"
+#include "study/sitting/heard_level.hpp"
 #include "support/boards.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -34,9 +35,15 @@ EarLevel level_of(const StudyPlan& plan, const Box& object = cube) {
   return predict_ear_level(plan, std::vector<Box>(plan.shapes.size(), object));
 }
 
+/// The level of a board at full amplitude. All tests share it, because it takes a while to compute.
+const EarLevel& full_level() {
+  static const EarLevel level = level_of(plan_on("openmpd"));
+  return level;
+}
+
 TEST(EarLevel, IsThatOfTheLoudestPlaceNearTheEar) {
   const StudyPlan plan = plan_on("openmpd");
-  const EarLevel level = level_of(plan);
+  const EarLevel& level = full_level();
   // Another way: single points in double precision, for one of the foci.
   const array::Layout own = array::load_layout("openmpd");
   const array::Layout layout = array::transformed(own, own.default_T_world_layout);
@@ -59,7 +66,7 @@ TEST(EarLevel, IsThatOfTheLoudestPlaceNearTheEar) {
 }
 
 TEST(EarLevel, FollowsTheCeilingAndTheMinutes) {
-  const EarLevel full = level_of(plan_on("openmpd")), tenth = level_of(plan_on("openmpd", 0.1));
+  const EarLevel &full = full_level(), tenth = level_of(plan_on("openmpd", 0.1));
   EXPECT_NEAR(full.loudest_db() - tenth.loudest_db(), 20, 0.3) << "the board has four amplitudes up to 0.1";
   // If a model asks for a pressure, all transducers play the highest step that is not above the ceiling.
   const auto equal = [](double ceiling) {
@@ -67,11 +74,12 @@ TEST(EarLevel, FollowsTheCeilingAndTheMinutes) {
     plan.shapes[0].asks_pressure = true;
     return level_of(plan);
   };
-  const double all_db = equal(1).predicted_db(), bound_db = equal(1).bound_db;
+  const EarLevel all = equal(1);
   for (const auto& [ceiling, width] : {std::pair(0.1, 4), std::pair(0.12, 4), std::pair(0.04, 1), std::pair(0.03, 1)}) {
     const double step_db = 20 * std::log10(std::sin(width * std::numbers::pi / 128));
-    EXPECT_NEAR(equal(ceiling).predicted_db(), all_db + step_db, 1e-3) << ceiling;
-    EXPECT_NEAR(equal(ceiling).bound_db, bound_db + step_db, 1e-3) << ceiling;
+    const EarLevel level = equal(ceiling);
+    EXPECT_NEAR(level.predicted_db(), all.predicted_db() + step_db, 1e-3) << ceiling;
+    EXPECT_NEAR(level.bound_db, all.bound_db + step_db, 1e-3) << ceiling;
   }
   const StudyPlan plan = plan_on("openmpd");
   EXPECT_DOUBLE_EQ(full.sounding_s, sounding_s(plan));
@@ -106,9 +114,25 @@ TEST(EarLevel, OfOneTransducerIsWorkedOut) {
   EXPECT_GT(two.predicted_db(), two.bound_db - 1);
 }
 
+TEST(HeardLevel, IsThatOfTheEarThatIsNearer) {
+  array::Layout one;
+  one.name = "one that is heard";
+  one.transducers = {{Vec3(0, -0.2, 0), Vec3(0, 1, 0)}};
+  const array::KnownLayout known(one);
+  StudyPlan plan = plan_on(known.name());
+  const auto dba = [&](double left_m, double right_m) {
+    plan.level.ears = {Vec3(0, left_m - 0.2, 0), Vec3(0, right_m - 0.2, 0)};
+    return predict_heard_level(plan, {&cube, 1}).high_dba;
+  };
+  const double near = dba(0.4, 0.4);
+  EXPECT_GT(near, dba(0.9, 0.9) + 3);
+  EXPECT_DOUBLE_EQ(dba(0.4, 0.9), near) << "the left ear";
+  EXPECT_DOUBLE_EQ(dba(0.9, 0.4), near) << "the right ear";
+}
+
 TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
   StudyPlan plan = plan_on("openmpd");
-  const EarLevel usual = level_of(plan);
+  const EarLevel& usual = full_level();
   EXPECT_EQ(usual.foci.size(), 1u) << "normalised, single foci are the loudest";
   EXPECT_FALSE(usual.full_amplitude);
   plan.shapes[1].asks_pressure = true;
@@ -122,11 +146,12 @@ TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
   // Boards without amplitudes: a quarter of the transducers sounds at full amplitude.
   StudyPlan on_off = plan_on(test::on_off_board());
   on_off.level.ears = plan.level.ears;
-  EXPECT_NEAR(level_of(on_off).predicted_db(), asking.predicted_db(), 0.5) << "the same places";
   const double full_db = level_of(on_off).predicted_db();
+  EXPECT_NEAR(full_db, asking.predicted_db(), 0.5) << "the same places";
   on_off.level.ceiling = 0.25;
-  EXPECT_NEAR(level_of(on_off).predicted_db(), full_db + 10 * std::log10(0.25), 1) << "beside the focus";
-  EXPECT_NEAR(level_of(on_off).bound_db, asking.bound_db + 20 * std::log10(0.25), 0.2) << "in phase";
+  const EarLevel quarter = level_of(on_off);
+  EXPECT_NEAR(quarter.predicted_db(), full_db + 10 * std::log10(0.25), 1) << "beside the focus";
+  EXPECT_NEAR(quarter.bound_db, asking.bound_db + 20 * std::log10(0.25), 0.2) << "in phase";
 }
 
 /// An object nearer to the ears is felt nearer to them, and the array's sound goes more towards them.
@@ -164,10 +189,11 @@ TEST(EarLevel, AReadingReplacesThePrediction) {
   plan.level.ceiling = level.fitting_ceiling;
   refuse_loud(plan, level_of(plan), "");
   plan.level.ceiling = 0.0979;  // the third step
-  EXPECT_NEAR(level_of(plan).loudest_db(),
+  const EarLevel third = level_of(plan);
+  EXPECT_NEAR(third.loudest_db(),
               104.5 + 20 * std::log10(std::sin(3 * std::numbers::pi / 128) / std::sin(2 * std::numbers::pi / 128)),
               1e-3);
-  refuse_loud(plan, level_of(plan), "");
+  refuse_loud(plan, third, "");
   plan.shapes[0].asks_pressure = false;
   // A plan that nobody can hear is silent, whatever was read.
   plan.level.ceiling = 0;
@@ -182,8 +208,9 @@ TEST(EarLevel, AReadingReplacesThePrediction) {
   EXPECT_EQ(doubt_of_reading(plan, reads(9.9)), "");
   EXPECT_CONTAINS(doubt_of_reading(plan, reads(10.1)), "does not hear 40 kHz");
   refuse_loud(plan, reads(19.9), "");
-  EXPECT_ERROR(refuse_loud(plan, reads(20.1), ""), Exit::usage, "measured_db is 20 dB below the prediction");
-  refuse_loud(plan, reads(20.1), "ethics 12/2026");
+  const EarLevel low = reads(20.1);
+  EXPECT_ERROR(refuse_loud(plan, low, ""), Exit::usage, "measured_db is 20 dB below the prediction");
+  refuse_loud(plan, low, "ethics 12/2026");
   // Boards without amplitudes get quieter by less.
   StudyPlan on_off = plan_on(test::on_off_board(), 0.025);
   on_off.level.measured_db = 98;

@@ -91,7 +91,9 @@ TEST_F(StudyFolder, LogsWithoutAnswersAreNoCopies) {
   test::write_participant(folder_, 1, {{"m", 20}});
   for (const std::uint32_t number : {2u, 3u})
     write_events(events_place(folder_, number, 1), test::events_header);
-  for (const std::string& line : read().left_out)
+  const std::vector<std::string> left_out = read().left_out;
+  EXPECT_EQ(left_out.size(), 2u);
+  for (const std::string& line : left_out)
     EXPECT_CONTAINS(line, "has no answered trial");
 }
 

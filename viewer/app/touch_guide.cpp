@@ -55,6 +55,13 @@ bool moves(setup::NudgeKey key) {
   return key != setup::NudgeKey::save && key != setup::NudgeKey::leave && key != setup::NudgeKey::finer;
 }
 
+/// ImGui breaks lines also within numbers, after the point.
+std::string in_short_lines(std::string text) {
+  for (std::size_t at = text.find("; "); at != std::string::npos; at = text.find("; ", at))
+    text.replace(at, 2, "\n");
+  return text;
+}
+
 /// The place before the focus on the faces of the array's transducers; the focus itself if they are all around.
 Vec3 foot_of(const array::Layout& layout, const Vec3& focus) {
   const Vec3 way = setup::towards_array(layout, focus);
@@ -124,7 +131,7 @@ void TouchGuide::finish() {
 Guidance TouchGuide::guidance(const ShownRun& run, const PanelData& data) const {
   constexpr const char* closing = "Enter or Escape closes the window";
   constexpr const char* leaving = "Escape: ends, and nothing is saved";
-  if (step_ == Step::found) return {"The cameras are found", summary_, "", closing};
+  if (step_ == Step::found) return {"The cameras are found", in_short_lines(summary_), "", closing};
   if (step_ == Step::failed) return {"Nothing is saved", fault_line_, "", closing};
   if (step_ == Step::left) return {"Nothing is saved", "", "", ""};
   const RunState state = run.control().state();
@@ -165,8 +172,7 @@ std::string TouchGuide::end(bool scripted) {
   if (fault_) std::rethrow_exception(fault_);
   if (step_ != Step::touches) return summary_;
   if (scripted && !setup::Interrupt::signalled()) {
-    throw failure(fmt::format("--by-touch: nothing is saved, because it ended before Enter was pressed at {}",
-                              task_->touches().line()));
+    throw failure("--by-touch: nothing is saved, because " + nudge_.why_unsaved());
   }
   return task_->finish(false, json_);
 }

@@ -255,7 +255,7 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
   count(report);
   touches_ = report.touch->finger_count > 0;
   follow_poses(*session_);
-  const Clock::duration unseen = Clock::now().time_since_epoch() - Clock::duration(looked_.load());
+  const std::chrono::duration<double> unseen(patience_.clock->now() - looked_s_);
   const std::chrono::milliseconds patience = taken_ < first_snapshots ? patience_.beginning : patience_.usual;
   if (unseen > patience && !stop_->exchange(true)) {
     unattended_ = true;

@@ -20,6 +20,7 @@
 #include "acoustics/air.hpp"
 #include "base/files/outputs.hpp"
 #include "sensing/recording.hpp"
+#include "session/clock.hpp"
 #include "session/loop/run_observer.hpp"
 #include "session/newest.hpp"
 #include "session/watch/sound_watch.hpp"
@@ -73,6 +74,7 @@ struct Patience {
   /// Applies until it has taken ten snapshots: it is still starting, and drivers compile for each picture that shows
   /// something for the first time. Rounds without a snapshot do not count, because they draw nothing new.
   std::chrono::milliseconds beginning{60000};
+  const session::Clock* clock = &session::real_clock();  ///< measures it
 };
 
 class LiveSession final : session::RunObserver {
@@ -104,7 +106,7 @@ class LiveSession final : session::RunObserver {
   static int under_way() { return under_way_; }
 
   /// Reports that the viewer is alive. Called once per round of its loop; see Patience.
-  void look() { looked_ = Clock::now().time_since_epoch().count(); }
+  void look() { looked_s_ = patience_.clock->now(); }
 
   LiveState state() const { return state_; }
   /// Whether the run's thread has finished everything.
@@ -180,9 +182,9 @@ class LiveSession final : session::RunObserver {
   std::atomic<LiveState> state_{LiveState::loading};
   std::atomic<bool> over_{false};
   std::atomic<bool> unattended_{false};
-  std::atomic<bool> touches_{false};                                         ///< a finger touches in the newest frame
-  std::atomic<Clock::rep> looked_{Clock::now().time_since_epoch().count()};  ///< or when it was constructed
-  std::atomic<std::uint64_t> taken_{0};                                      ///< snapshots
+  std::atomic<bool> touches_{false};                      ///< a finger touches in the newest frame
+  std::atomic<double> looked_s_{patience_.clock->now()};  ///< or when it was constructed
+  std::atomic<std::uint64_t> taken_{0};                   ///< snapshots
   std::atomic<bool> wants_snapshot_{true}, wants_seen_{true};
   session::Newest<Snapshot> snapshots_;
   session::Newest<Seen> seen_;

@@ -94,8 +94,10 @@ std::optional<Glyphs> make_file_font(ImFontAtlas& atlas, std::string& ttf, doubl
   config.FontDataOwnedByAtlas = false;
   config.OversampleH = config.OversampleV = 1;
   config.PixelSnapH = true;
-  atlas.AddFontFromMemoryTTF(ttf.data(), static_cast<int>(ttf.size()),
-                             static_cast<float>(std::round(text_height * ratio)), &config, ranges);
+  for (const double scale : font_scales) {
+    atlas.AddFontFromMemoryTTF(ttf.data(), static_cast<int>(ttf.size()),
+                               static_cast<float>(std::round(text_height * ratio * scale)), &config, ranges);
+  }
   if (!atlas.Build()) return std::nullopt;
   return glyphs_of(atlas);
 }

@@ -2,6 +2,7 @@
 // font, panels have palpa's own strokes, as all other text of a picture has.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -17,8 +18,11 @@ std::string system_font();
 /// The TrueType font that fontconfig takes for "sans". Empty if there is no fontconfig, or if it knows no font.
 std::string fontconfig_file();
 
-/// Replaces the font of `atlas` by this one, for `ratio` pixels per point. Returns its pixels; nullopt if the bytes are
-/// no TrueType font.
+/// The sizes of make_file_font's fonts, relative to the panels' text: that text comes first.
+inline constexpr std::array<double, 3> font_scales{1, 1.2, 1.6};
+
+/// Replaces the fonts of `atlas` by this one in all font_scales, for `ratio` pixels per point. Returns its pixels;
+/// nullopt if the bytes are no TrueType font.
 std::optional<Glyphs> make_file_font(ImFontAtlas& atlas, std::string& ttf, double ratio);
 
 }  // namespace palpa::viewer

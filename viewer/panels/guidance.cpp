@@ -2,12 +2,30 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <string>
 
 #include "viewer/options/viewer_options.hpp"
+#include "viewer/panels/file_font.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/widgets.hpp"
 
 namespace palpa::viewer {
+
+namespace {
+
+/// Text of one of font_scales. A font of strokes has one size, and is magnified.
+void write(std::size_t size, const std::string& text) {
+  const ImVector<ImFont*>& fonts = ImGui::GetIO().Fonts->Fonts;
+  const bool own = fonts.Size == static_cast<int>(font_scales.size());
+  if (own) ImGui::PushFont(fonts[static_cast<int>(size)]);
+  if (!own) ImGui::SetWindowFontScale(static_cast<float>(font_scales[size]));
+  ImGui::TextWrapped("%s", text.c_str());
+  if (!own) ImGui::SetWindowFontScale(1);
+  if (own) ImGui::PopFont();
+}
+
+}  // namespace
 
 void draw_guidance(PanelData& data) {
   if (!data.guidance) return;
@@ -20,17 +38,14 @@ void draw_guidance(PanelData& data) {
   ImGui::Begin("guidance", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoNav);
-  ImGui::SetWindowFontScale(1.6f);
-  ImGui::TextWrapped("%s", now.title.c_str());
-  ImGui::SetWindowFontScale(1.2f);
-  ImGui::TextWrapped("%s", now.text.c_str());
+  write(2, now.title);
+  write(1, now.text);
   if (!now.fault.empty()) {
     ImGui::PushStyleColor(ImGuiCol_Text, ImVec4{0.79f, 0.30f, 0.0f, 1});
-    ImGui::TextWrapped("%s", now.fault.c_str());
+    write(1, now.fault);
     ImGui::PopStyleColor();
   }
-  ImGui::SetWindowFontScale(1);
-  ImGui::TextWrapped("%s", now.keys.c_str());
+  write(0, now.keys);
   ImGui::End();
 }
 

@@ -73,10 +73,11 @@ void show_slice(Picture& picture, const SliceState& slice, const SliceGrid& grid
   image.pixels.reserve(pressures.size());
   for (const std::complex<double>& p : pressures)
     image.pixels.push_back(to_pixel(drawing::map_colour(std::abs(p) / most)));
-  replace_bar(picture, {Layer::slice,
-                        linear ? "sound pressure in the plane, Pa peak"
-                               : fmt::format("beyond linear acoustics: of the largest, {:.1f} kPa", peak / 1e3),
-                        linear ? most : 1});
+  replace_bar(picture,
+              {Layer::slice,
+               linear ? "sound pressure in the plane, Pa peak"
+                      : fmt::format("sound pressure in the plane, of {:.1f} kPa: beyond linear acoustics", peak / 1e3),
+               linear ? most : 1});
 }
 
 void show_heat(Picture& picture, std::string name, geometry::Mesh body, std::span<const double> values,

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <memory>
@@ -82,6 +83,25 @@ bool next_frame(App& app, const Size& size, const std::function<double()>& now, 
   return false;
 }
 
+/// A finger has just come: waits until its contacts grow no more, but at most a second. If it leaves meanwhile, the
+/// picture is that of the next touch, from its beginning on.
+void settled_touch(App& app, const Size& size, const std::function<double()>& now) {
+  constexpr double most_s = 1;
+  constexpr int steady_frames = 4;
+  const double until_s = now() + most_s;
+  std::size_t most = app.picture().contacts.size();
+  for (int steady = 0; steady < steady_frames && next_frame(app, size, now, until_s);) {
+    if (app.picture().fingers.empty()) {
+      while (app.picture().fingers.empty() && next_frame(app, size, now, until_s)) {
+      }
+      return;
+    }
+    const std::size_t contacts = app.picture().contacts.size();
+    steady = contacts > most ? 0 : steady + 1;
+    most = std::max(most, contacts);
+  }
+}
+
 /// Waits for a frame with a touch. If there is none within 5 s of the first frame, or until the end of the run, says
 /// why. Some sources have no frame at all: they are waited for a while longer. Returns false if the run has failed, or
 /// ended without a frame.
@@ -104,6 +124,7 @@ bool touching_frame(App& app, const Size& size, const std::function<double()>& n
                     why.empty() ? "" : ": ", why));
     return true;
   }
+  if (shown) settled_touch(app, size, now);
   if (!shown && app.data().content.run.state == LiveState::running) {
     log::warning(fmt::format("no frame came within {:g} s: the picture shows none", longest_start_s));
     shown = true;

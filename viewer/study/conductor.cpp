@@ -70,16 +70,24 @@ study::Entry start_entry(const setup::StudyRunOptions& run, const std::string& m
 
 Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
                      const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
-                     std::function<void()> wake)
+                     std::function<void()> wake, const session::Clock& clock)
     : plan_(&plan),
       run_(&run),
       shapes_(&shapes),
       level_(level),
-      record_(plan, *run.participant, run.out, run.rehearse.has_value(), [&] {
-        masking_.emplace(plan.run.masking);
-        try_study_source(plan, run, kinds);
-        try_study_link(plan, run, kinds);
-      }) {
+      record_(plan, *run.participant, run.out, run.rehearse.has_value(),
+              [&] {
+                masking_.emplace(plan.run.masking);
+                try_study_source(plan, run, kinds);
+                try_study_link(plan, run, kinds);
+              }),
+      clock_(&clock) {
+  // As close to each other as answers are timed, also where something else interrupts this thread between them.
+  for (Clock::time_point before; system_begin_ - before > std::chrono::microseconds(50);) {
+    before = Clock::now();
+    begin_ = time_of(clock);
+    system_begin_ = Clock::now();
+  }
   record_.refuse_finished();
   if (!masking_) masking_.emplace("off");  // no step is left
   sitting_ = std::make_unique<study::Sitting>(plan, record_.agenda(), start_entry(run, masking_->name()),
@@ -89,7 +97,7 @@ Conductor::Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions&
   const std::filesystem::path scene = record_.folder().file(run_number_, "_shapes.glb");
   geometry::write_glb(scene, shapes.meshes);
   finger_.emplace(record_.folder(), run_number_);
-  presentation_ = std::make_unique<Presentation>(plan, run, shapes, scene, kinds, stop, std::move(wake));
+  presentation_ = std::make_unique<Presentation>(plan, run, shapes, scene, kinds, stop, std::move(wake), clock);
 }
 
 /// Says how long the array sounded, so that no sound is missing in the participant's dose, whatever ended it.
@@ -103,11 +111,11 @@ void Conductor::write(study::Entry entry) {
 
 /// Times of the sitting count from its start.
 std::int64_t Conductor::ns_of(std::int64_t steady_ns) const {
-  return steady_ns - std::chrono::duration_cast<std::chrono::nanoseconds>(begin_.time_since_epoch()).count();
+  return steady_ns - std::chrono::duration_cast<std::chrono::nanoseconds>(system_begin_.time_since_epoch()).count();
 }
 
 std::int64_t Conductor::now_ns() const {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - begin_).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time_of(*clock_) - begin_).count();
 }
 
 // ---- what people do -----------------------------------------------------------------------------------------------
@@ -335,7 +343,7 @@ void Conductor::advance() {
   masking_->play(masks(sitting_->screen()));
   if (sitting_->presented().sounds) {
     const Clock::time_point end = begin_ + std::chrono::nanoseconds(*sitting_->next_ns());
-    presentation_->open(std::min(end, Clock::now() + dead_man));
+    presentation_->open(std::min(end, time_of(*clock_) + dead_man));
   } else {
     presentation_->close();
   }

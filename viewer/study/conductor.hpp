@@ -32,11 +32,11 @@ class Conductor {
   using Clock = std::chrono::steady_clock;
 
   /// Continues the participant, or begins. `level`: as predicted or measured for this plan. The references must outlive
-  /// it. Throws as study::Record, Masking, try_study_source() and try_study_link() do; a participant's files are then
-  /// as they were.
+  /// it. `clock`: the sitting's. Throws as study::Record, Masking, try_study_source() and try_study_link() do; a
+  /// participant's files are then as they were.
   Conductor(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
             const study::EarLevel& level, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
-            std::function<void()> wake);
+            std::function<void()> wake, const session::Clock& clock = session::real_clock());
 
   /// Keys and clicks in the participant's window. `button`: that the pointer is on.
   void participant(const WindowEvent& event, std::optional<std::size_t> button);
@@ -85,7 +85,9 @@ class Conductor {
   study::EarLevel level_;
   std::optional<Masking> masking_;
   study::Record record_;
-  Clock::time_point begin_ = Clock::now();
+  const session::Clock* clock_;
+  Clock::time_point begin_ = time_of(*clock_);     ///< on that clock
+  Clock::time_point system_begin_ = Clock::now();  ///< the same moment on the clock of the windows' events
   std::unique_ptr<study::Sitting> sitting_;
   std::uint32_t run_number_ = 0;
   std::unique_ptr<Presentation> presentation_;

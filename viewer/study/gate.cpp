@@ -73,7 +73,7 @@ void Gate::count_sound(bool sounds, Clock::time_point now) {
 
 Gate::Clock::duration Gate::sounded_for() const {
   const std::lock_guard lock(mutex_);
-  return sounded_for_ + (counted_until_ ? Clock::now() - *counted_until_ : Clock::duration(0));
+  return sounded_for_ + (counted_until_ ? now() - *counted_until_ : Clock::duration(0));
 }
 
 void Gate::note(const PlayedFrame& frame) {
@@ -88,7 +88,7 @@ GateLink::GateLink(std::unique_ptr<session::Link> link, Gate& gate) : link_(std:
 }
 
 GateLink::~GateLink() {
-  gate_->note_silence(Gate::Clock::now());
+  gate_->note_silence(gate_->now());
 }
 
 /// If the link fails, nobody knows what the device got.
@@ -141,7 +141,7 @@ void GateLink::plan(const session::PlayedPlan& plan) {
 }
 
 void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
-  const Gate::Clock::time_point now = Gate::Clock::now();
+  const Gate::Clock::time_point now = gate_->now();
   if (gate_->is_open(now)) {
     // What sounds from here on began with an earlier plan.
     if (!std::exchange(passing_, true))

@@ -15,6 +15,7 @@
 
 #include "array/schedule.hpp"
 #include "base/files/sha256.hpp"
+#include "session/clock.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
 
@@ -50,16 +51,27 @@ struct PlayedTouch {
   std::uint64_t end = 0;  ///< the slot after the last drive, not before the last frame
 };
 
+/// A clock's time, for code that compares it with std::chrono.
+inline std::chrono::steady_clock::time_point time_of(const session::Clock& clock) {
+  using Clock = std::chrono::steady_clock;
+  return Clock::time_point(std::chrono::round<Clock::duration>(std::chrono::duration<double>(clock.now())));
+}
+
 /// One thread opens, closes and takes; the links' output threads pass through.
 class Gate {
  public:
   using Clock = std::chrono::steady_clock;
 
+  explicit Gate(const session::Clock& clock = session::real_clock()) : clock_(&clock) {}
+
+  /// All moments are on its clock.
+  Clock::time_point now() const { return time_of(*clock_); }
   /// Lets sound through until then. Replaces an earlier moment.
   void open(Clock::time_point until) { until_ = until.time_since_epoch().count(); }
   /// Only silence passes from now on. A drive that is just being sent is the last one that may sound.
   void close() { until_ = closed; }
-  bool is_open(Clock::time_point now = Clock::now()) const { return now.time_since_epoch().count() < until_; }
+  bool is_open(Clock::time_point now) const { return now.time_since_epoch().count() < until_; }
+  bool is_open() const { return is_open(now()); }
 
   /// Forgets what has passed so far.
   void forget();
@@ -68,26 +80,27 @@ class Gate {
   /// How many drives have passed and arrived since forget().
   GateCounts counts() const;
   /// Whether a drive that sounds has passed within the last 100 ms.
-  bool sounding(Clock::time_point now = Clock::now()) const { return is_recent(last_sound_, now); }
+  bool sounding(Clock::time_point now) const { return is_recent(last_sound_, now); }
+  bool sounding() const { return sounding(now()); }
   /// Whether such a drive has also arrived at the device, at least shortly before may_sound() would say that none does.
   /// For links that do not count: as sounding().
-  bool heard(Clock::time_point now = Clock::now()) const {
+  bool heard() const {
+    const Clock::time_point now = this->now();
     return sounding(now) && (!link_counts_ || is_recent(last_arrival_, now - longest_unheard));
   }
   /// An array to which nothing arrives for longer is not there. Boards need much less for a drive or a plan.
   static constexpr std::chrono::milliseconds longest_unheard{100};
   /// Whether the device may play its last sound on, because it is not known to have got the silence after it: nothing
   /// arrives, or its link failed.
-  bool may_sound(Clock::time_point now = Clock::now()) const {
-    return unsure_ || (played_ && (out_of_reach_ || unheard(now) > longest_unheard));
-  }
+  bool may_sound() const { return unsure_ || (played_ && (out_of_reach_ || unheard() > longest_unheard)); }
   /// It may, from now on, until something arrives again or the link is opened again.
   void doubt() { unsure_ = true; }
   /// Whether the link says that its device takes nothing at the moment.
   bool out_of_reach() const { return out_of_reach_; }
   /// For how long drives that sound have passed without any of them arriving at the device. Zero if they arrive, if
   /// nothing sounds, and for links that do not count.
-  Clock::duration unheard(Clock::time_point now = Clock::now()) const {
+  Clock::duration unheard() const {
+    const Clock::time_point now = this->now();
     const Clock::rep since = unheard_since_;
     return since == closed || !sounding(now) ? Clock::duration(0) : now - Clock::time_point(Clock::duration(since));
   }
@@ -111,6 +124,7 @@ class Gate {
   void count_sound(bool sounds, Clock::time_point now);
   void note(const PlayedFrame& frame);
 
+  const session::Clock* clock_;
   std::atomic<Clock::rep> until_{closed}, last_sound_{closed}, last_arrival_{closed}, unheard_since_{closed};
   std::atomic<bool> link_counts_{false}, out_of_reach_{false};
   std::atomic<bool> played_{false};  ///< since the link was opened, something that sounds was passed to it

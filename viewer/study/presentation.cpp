@@ -150,14 +150,15 @@ void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOption
 
 Presentation::Presentation(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
                            std::filesystem::path scene, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
-                           std::function<void()> wake)
+                           std::function<void()> wake, const session::Clock& clock)
     : plan_(&plan),
       run_(&run),
       shapes_(&shapes),
       scene_file_(std::move(scene)),
       kinds_{kinds.sources, behind_gate(setup::with_builtin(kinds.links), gate_)},
       stop_(&stop),
-      wake_(std::move(wake)) {}
+      wake_(std::move(wake)),
+      gate_(clock) {}
 
 Presentation::~Presentation() {
   gate_.close();
@@ -242,13 +243,13 @@ void Presentation::look() {
   }
   if (session_->take_seen() && since_ && session_->seen().sequence >= *since_) {
     lowest_ = lowest_point(session_->seen().skin.points, shapes_->shapes[*shape_].box);
-    seen_at_ = Clock::now();
+    seen_at_ = gate_.now();
   }
 }
 
 bool Presentation::ready() const {
   return session_ && fault_.empty() && session_method_ == method_ && placed_ == shape_ && since_ && since_s_ &&
-         gate_.newest_s() >= *since_s_ && seen_at_ && Clock::now() - *seen_at_ < longest_unseen;
+         gate_.newest_s() >= *since_s_ && seen_at_ && gate_.now() - *seen_at_ < longest_unseen;
 }
 
 void Presentation::open(Clock::time_point until) {

@@ -51,10 +51,11 @@ class Presentation {
   using Clock = Gate::Clock;
 
   /// `stop` is the flag of the runs; signals set it, too. `wake` is called from other threads when there is something
-  /// new. The references must outlive it. Starts nothing yet.
+  /// new. The references must outlive it. Starts nothing yet. `clock`: its gate's, and what tells whether frames still
+  /// come.
   Presentation(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const StudyShapes& shapes,
                std::filesystem::path scene, const LiveSession::Kinds& kinds, std::atomic<bool>& stop,
-               std::function<void()> wake);
+               std::function<void()> wake, const session::Clock& clock = session::real_clock());
   /// Closes the gate and ends the session.
   ~Presentation();
   Presentation(const Presentation&) = delete;

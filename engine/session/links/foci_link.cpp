@@ -31,6 +31,10 @@ class FociLink : public Link {
       schedule_ = plan.schedule;
       return;
     }
+    if (plan.schedule.voice_count == 0 && plan.schedule.time_s < last_s_) {  // after lines of slots
+      heard_ = send_silence();
+      return;
+    }
     const std::vector<std::string>& names = plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_;
     const bool whole = write_foci_line(plan.schedule, plan.slots, names, json_);
     last_s_ = plan.schedule.time_s;
@@ -88,11 +92,11 @@ class FociLink : public Link {
       sender_.warn();
     }
   }
-  void send_silence() {
+  bool send_silence() {
     array::Schedule nothing;
     nothing.time_s = last_s_;
     write_foci_line(nothing, {}, {}, json_);
-    sender_.send(json_.finish());
+    return sender_.send(json_.finish());
   }
 
   UdpSender sender_;

@@ -17,19 +17,22 @@ std::uint64_t less(std::uint64_t from, std::uint64_t what) {
 }
 
 /// Where most of them were lost, and what helps.
-std::string_view remedy_of(const HandOver& counts) {
+std::string remedy_of(const HandOver& counts) {
   const Carried& behind = *counts.behind;
   if (!behind.guard) return "end other programs, or give a longer --dwell";
   const std::uint64_t in_guard = less(behind.guard->drives, behind.submitted.drives + behind.starting);
   const std::uint64_t on_wire = less(behind.submitted.drives, behind.completed.drives);
   if (less(counts.loop.drives, behind.guard->drives) >= std::max(in_guard, on_wire)) {
-    return "palpa-guard got no processor in time; end other programs, give it real-time scheduling (palpa doctor says "
-           "how), switch power saving off (cpupower frequency-set -g performance), or give a longer --dwell";
+    const bool real_time = behind.guard_scheduling == Scheduling::real_time;
+    return fmt::format(
+        "palpa-guard got no processor in time; end other programs, {}switch power saving off (cpupower frequency-set "
+        "-g "
+        "performance), or give a longer --dwell",
+        real_time ? "" : "give it real-time scheduling (palpa doctor says how), ");
   }
   if (in_guard >= on_wire) return "the board took no more; give a longer --dwell, or foci that stand still";
   return "the device did not take what was sent; put it on a USB controller of its own, without a hub, or give a "
-         "longer "
-         "--dwell";
+         "longer --dwell";
 }
 
 }  // namespace

@@ -97,18 +97,24 @@ void wait_until_empty(FrameQueue& frames, Stopped stopped) {
 
 /// The maximum time to wait for a frame before checking for the end again.
 constexpr double most_wait_s = 0.1;
+/// A user is told that no first frame comes.
+constexpr double patience_s = 5;
 
 void capture(sensing::DepthSource& source, Newest<Captured>& frames, FrameQueue* recorded, const LoopSetting& setting,
              const Clock& clock, const std::atomic<bool>& stop, const RunOptions& options, LoopStats& stats) {
   SourceClock source_clock;
   CaptureTimes times;
   const auto stopped = [&] { return stop.load(); };
-  double looked_s = clock.now();  // time of the last frame, or of the last note that there was none
+  const double begin_s = clock.now();
+  double looked_s = begin_s;  // time of the last frame, or of the last note that there was none
+  bool told = false;
   while (!stop && (options.frames == 0 || stats.captured < options.frames)) {
     Captured& next = frames.back();
     if (!source.next(next.set, std::min(setting.output.hold_s, most_wait_s))) break;
     const double now_s = clock.now();
     if (!next.set.came()) {
+      if (stats.captured == 0 && now_s - begin_s > patience_s && !std::exchange(told, true))
+        log::at_once(fmt::format("no frame has come from the source for {:g} s; palpa waits", patience_s));
       if (now_s - looked_s < setting.output.hold_s) continue;
       ++stats.missing;
       looked_s = now_s;

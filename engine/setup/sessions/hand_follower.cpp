@@ -107,24 +107,21 @@ void HandFollower::end() {
   if (fault_) std::rethrow_exception(fault_);
 }
 
-std::unique_ptr<HandFollower> follow_hand(On on, const FrameOptions& frames,
-                                          std::span<const session::SourceKind> sources, const Transform& T_world_array,
-                                          session::HandPlace& place, std::atomic<bool>& stop,
-                                          const session::Clock& clock) {
+HandFollower::Follow open_hand(On on, const FrameOptions& frames, std::span<const session::SourceKind> sources,
+                               const Transform& T_world_array, session::HandPlace& place, const session::Clock& clock) {
   if (on == On::finger) {
     FrameOptions watched = frames;
     watched.watched = true;
     check(watched);
     const auto finger = std::make_shared<TouchingFinger>(prepare(watched, sources, true), T_world_array, place, clock);
-    return std::make_unique<HandFollower>([finger](std::atomic<bool>& over) { finger->follow(over); }, place, stop,
-                                          clock);
+    return [finger](std::atomic<bool>& over) { finger->follow(over); };
   }
   const sensing::Rig rig = load_posed_rig(frames.rig).rig;
   const Transform T_array_joints = glm::inverse(T_world_array) * rig.T_world_joints.value_or(Transform(1.0));
   const auto joint = std::make_shared<Joint>(
       Joint{joint_of(on), sensing::open_tracker(session::parse_spec(frames.source).argument, true), T_array_joints,
             place, clock});
-  return std::make_unique<HandFollower>([joint](std::atomic<bool>& over) { joint->follow(over); }, place, stop, clock);
+  return [joint](std::atomic<bool>& over) { joint->follow(over); };
 }
 
 }  // namespace palpa::setup

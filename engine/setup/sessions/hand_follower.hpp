@@ -28,7 +28,8 @@ inline constexpr Word<On> on_words[] = {{"palm", On::palm},     {"wrist", On::wr
 class HandFollower {
  public:
   using Follow = std::function<void(std::atomic<bool>& over)>;
-  HandFollower(Follow follow, session::HandPlace& place, std::atomic<bool>& stop, const session::Clock& clock);
+  HandFollower(Follow follow, session::HandPlace& place, std::atomic<bool>& stop,
+               const session::Clock& clock = session::real_clock());
   ~HandFollower();
   HandFollower(const HandFollower&) = delete;
   HandFollower& operator=(const HandFollower&) = delete;
@@ -41,13 +42,12 @@ class HandFollower {
   std::thread thread_;
 };
 
-/// Opens the source of `frames` and follows the hand, with times of `clock`. `place` gets its
-/// pose in the frame of the array, which stands at `T_world_array`. If there are several hands, it stays with one as
-/// long as that is there. Throws as open_tracker and prepare() do, and bad_usage for a source that does not go with
-/// `on`.
-std::unique_ptr<HandFollower> follow_hand(On on, const FrameOptions& frames,
-                                          std::span<const session::SourceKind> sources, const Transform& T_world_array,
-                                          session::HandPlace& place, std::atomic<bool>& stop,
-                                          const session::Clock& clock = session::real_clock());
+/// Opens the source of `frames`, whose hand a HandFollower follows from its own beginning on, with times of `clock`.
+/// `place` gets its pose in the frame of the array, which stands at `T_world_array`. If there are several hands, it
+/// stays with one as long as that is there. Throws as open_tracker and prepare() do, and bad_usage for a source that
+/// does not go with `on`.
+HandFollower::Follow open_hand(On on, const FrameOptions& frames, std::span<const session::SourceKind> sources,
+                               const Transform& T_world_array, session::HandPlace& place,
+                               const session::Clock& clock = session::real_clock());
 
 }  // namespace palpa::setup

@@ -283,6 +283,7 @@ std::string summary(const session::LoopStats& stats, const std::string& recordin
       counted(stats.captured, "frame"), stats.touching, stats.replaced, stats.frame_to_plan_s.quantile(0.5) * 1e3,
       stats.frame_to_plan_s.quantile(0.99) * 1e3, counted(stats.output.drives, "drive"), stats.output.silent_drives,
       counted(stats.output.skipped_slots, "slot"));
+  if (stats.captured == 0) text += "no frame came from the source\n";
   if (stats.untouched) text += "nothing touched: " + stats.untouched->why + "\n";
   const std::string shed = stats.shed ? fmt::format("{}, in {} of {} frames\n", session::to_text(stats.shed->least),
                                                     stats.shed->frames, stats.planned)

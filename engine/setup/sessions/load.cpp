@@ -4,10 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "geometry/parts_solid.hpp"
@@ -41,9 +43,24 @@ sensing::Rig load_rig_of(const RigOptions& options) {
   return sensing::load_rig(options.rig.empty() ? find_asset("rigs/paper.toml") : options.rig);
 }
 
+void warn_of_moved_array(const sensing::Rig& rig, const std::string& layout, const Transform& T_world_layout) {
+  const double far_m = glm::distance(Vec3(T_world_layout[3]), Vec3((*rig.array->T_world_layout)[3]));
+  if (far_m < 1e-3) return;
+  log::warning(
+      fmt::format("{}: --layout {} puts the array at its usual place, {:.0f} mm from the one in [array]; leave "
+                  "--layout out to keep "
+                  "that",
+                  rig.file, layout, far_m * 1e3));
+}
+
 /// `layout` replaces the rig's array.
 PlacedLayout array_of(const sensing::Rig& rig, const std::string& layout) {
-  if (!layout.empty()) return standing_by_default(layout);
+  if (!layout.empty()) {
+    PlacedLayout placed = standing_by_default(layout);
+    if (rig.array && rig.array->T_world_layout && rig.array->layout == layout)
+      warn_of_moved_array(rig, layout, placed.T_world_layout);
+    return placed;
+  }
   if (!rig.array) throw bad_input(rig.file, "has no [array]; add one or give --layout");
   array::Layout own = load_layout_of(*rig.array);
   const Transform pose = rig.array->T_world_layout.value_or(own.default_T_world_layout);

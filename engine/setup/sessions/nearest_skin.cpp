@@ -46,8 +46,11 @@ std::optional<NearestSkin> nearest_skin(std::span<const geometry::Solid> solids,
 }
 
 std::string place_of(const NearestSkin& nearest, const std::string& solid) {
-  return fmt::format("{:.1f} mm {} the surface of {}{}", nearest.distance_m * 1e3,
-                     nearest.inside ? "below" : "away from", solid, nearest.inside ? ", deeper than its shell" : "");
+  if (nearest.distance_m < 0.05e-3) return fmt::format("on the surface of {}, not below it", solid);
+  constexpr double far_m = 1;  // of skin from a file
+  return fmt::format("{:.1f} mm {} the surface of {}{}{}", nearest.distance_m * 1e3,
+                     nearest.inside ? "below" : "away from", solid, nearest.inside ? ", deeper than its shell" : "",
+                     nearest.distance_m > far_m ? " (coordinates are metres)" : "");
 }
 
 std::string place_of(const NearestSkin& nearest, std::span<const geometry::Solid> solids) {

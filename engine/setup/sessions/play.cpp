@@ -280,7 +280,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   // Before a device starts its threads. Without one, this thread is ahead of what sounds, and may wait.
   if (o.on == On::finger) session::go_first();
   session::HandPlace hand;
-  std::unique_ptr<HandFollower> follower;
+  std::optional<HandFollower> follower;
   const std::vector<std::string> no_solids;
   session::LinkSetting link_setting{playing.posed, no_solids, setting.output.slot_s};
   link_setting.sound_speed_m_s = setting.output.drive.medium.sound_speed;
@@ -288,12 +288,13 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.board_files = o.board_files;
   link_setting.steps = o.steps == Steps::on;
   link_setting.free_field = goes_ahead(o, playing.posed);
-  if (o.on) {
-    setting.hand = &hand;
-    FrameOptions frames = o;
-    follower = follow_hand(*o.on, frames, sources, setting.T_world_array, hand, stop);
-  }
+  HandFollower::Follow follow;
+  if (o.on) follow = open_hand(*o.on, o, sources, setting.T_world_array, hand);
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);
+  if (o.on) {  // from now on, the time of a file goes on
+    setting.hand = &hand;
+    follower.emplace(std::move(follow), hand, stop);
+  }
   if (is_offline(o)) return session::record_sensation(offline, *link, setting, stop);
   warn_of_full_amplitude(o, o.link, *link);
   if (osc) osc->listen();

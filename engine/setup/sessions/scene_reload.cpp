@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -12,13 +11,12 @@
 
 #include "base/activity.hpp"
 #include "base/log.hpp"
-#include "base/system/start_thread.hpp"
 #include "session/threads.hpp"
 
 namespace palpa::setup {
 namespace {
 
-constexpr std::chrono::milliseconds between_looks(100);
+constexpr double between_looks_s = 0.1;
 
 std::array<std::uint64_t, 4> state_of(const std::string& file) {
   struct stat is {};
@@ -35,9 +33,9 @@ SceneState look_at_scene(const std::string& file) {
   return {state_of(file), state_of(std::filesystem::path(path).replace_extension(".bin").string())};
 }
 
-SceneReload::SceneReload(std::string file, const SceneState& runs, Load load)
-    : file_(std::move(file)), read_at_(runs), load_(std::move(load)) {
-  thread_ = start_thread("--reload", [this] { work(); });
+SceneReload::SceneReload(std::string file, const SceneState& runs, Load load, const session::Clock& clock)
+    : clock_(&clock), file_(std::move(file)), read_at_(runs), load_(std::move(load)) {
+  thread_ = clock.start("--reload", [this] { work(); });
 }
 
 SceneReload::~SceneReload() {
@@ -57,8 +55,8 @@ void SceneReload::stop() {
     const std::lock_guard lock(mutex_);
     ends_ = true;
   }
-  wake_.notify_one();
-  thread_.join();
+  clock_->wake(wake_);
+  clock_->join(thread_);
 }
 
 session::ReloadStats SceneReload::end() {
@@ -74,7 +72,7 @@ void SceneReload::work() {
   for (;;) {
     {
       std::unique_lock lock(mutex_);
-      if (wake_.wait_for(lock, between_looks, [this] { return ends_.load(); })) return;
+      if (clock_->wait(wake_, lock, between_looks_s, [this] { return ends_.load(); })) return;
     }
     put_away(nullptr);
     // A file that is being written is another one at the next look.

@@ -13,6 +13,7 @@
 #include <string>
 #include <thread>
 
+#include "session/clock.hpp"
 #include "session/session.hpp"
 #include "session/watch/stats.hpp"
 
@@ -28,7 +29,7 @@ class SceneReload {
   /// Makes a session of the scene as it is in the file now. Throws Error.
   using Load = std::function<std::unique_ptr<session::Session>()>;
   /// `runs`: the state of the file before the scene that runs was read from it.
-  SceneReload(std::string file, const SceneState& runs, Load load);
+  SceneReload(std::string file, const SceneState& runs, Load load, const session::Clock& clock = session::real_clock());
   ~SceneReload();
   SceneReload(const SceneReload&) = delete;
   SceneReload& operator=(const SceneReload&) = delete;
@@ -49,6 +50,7 @@ class SceneReload {
   void read();
   void put_away(std::unique_ptr<session::Session> old);
 
+  const session::Clock* clock_;
   std::string file_;
   SceneState read_at_;
   Load load_;

@@ -60,6 +60,11 @@ void Nudge::take_touch(double time_s) {
   if (hint_.empty()) steps_ = Vec3(0);
 }
 
+std::string Nudge::why_unsaved() const {
+  const std::string at = touches_ ? " at " + touches_->line() : "";
+  return hint_.empty() ? "it ended before Enter was pressed" + at : fmt::format("it ended{}: {}", at, hint_);
+}
+
 std::string Nudge::place() const {
   const Vec3 mm = offset() * 1e3;
   return fmt::format("x {:+.1f}  y {:+.1f}  z {:+.1f} mm, step {} mm", mm.x, mm.y, mm.z, fine_ ? "0.1" : "1");

@@ -34,6 +34,9 @@ class Nudge {
   End end() const { return end_; }
   /// What kept the last touch from being taken; empty: nothing.
   const std::string& hint() const { return hint_; }
+  /// Why a run that ended by itself saves nothing: "it ended before Enter was pressed at focus 2 of 8", or why the last
+  /// Enter was refused.
+  std::string why_unsaved() const;
   /// "x +1.0  y +0.0  z +0.0 mm, step 1 mm"
   std::string place() const;
 

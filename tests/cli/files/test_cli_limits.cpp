@@ -1,5 +1,5 @@
-// Exactly at a limit: the last value of each option's range passes and the next is refused. docs/limits.md says the
-// same ranges, and each of its rows is tried here or is known not to be.
+// Exactly at a limit: the last value of each option's range passes, the next is refused, and so is no number.
+// docs/limits.md says the same ranges, and each of its rows is tried here or is known not to be.
 #include <gtest/gtest.h>
 
 #include <fmt/core.h>
@@ -20,6 +20,7 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "cli/command.hpp"
+#include "cli/support/every_command.hpp"
 #include "cli/support/here.hpp"
 #include "line/option_table.hpp"
 #include "support/files.hpp"
@@ -77,6 +78,7 @@ struct Ranges {
   std::map<std::string, Bounds> of;
   std::set<std::string> without;
   std::vector<std::string> faults;
+  int no_numbers = 0;  ///< values that were tried
 };
 
 class AtTheLimits {
@@ -96,10 +98,17 @@ class AtTheLimits {
   }
 
   void try_option(CLI::App& app, const std::string& words, const line::OptionInfo& option) {
-    static const std::set<std::string> numbers{
-        "LENGTH",  "TIME",    "FREQUENCY", "SPEED",     "PRESSURE",       "NUMBER",     "N",  "A",       "CELSIUS",
-        "PERCENT", "DEGREES", "PART",      "TIME|auto", "FREQUENCY|auto", "SPEED|auto", "DB", "DECIBELS"};
-    if (!numbers.contains(option.type)) return;
+    for (const char* none : {"nan", "-nan", "inf", "-inf"}) {
+      for (const std::string& value : odd_values(option.type, none)) {
+        std::vector<std::string> values{value};
+        if (option.name == "--line") values.emplace_back("0,0,10mm");
+        const std::string line = error_of([&] { line::read_given(app, {{option.name, values}}); }, Exit::usage);
+        ++ranges_.no_numbers;
+        if (line.find(option.name) == std::string::npos)
+          ranges_.faults.push_back(fmt::format("{}{} {}: {}", words, option.name, value, line));
+      }
+    }
+    if (odd_values(option.type, "1").size() != 1) return;
     std::optional<Bounds> bounds;
     for (const char* far : {"-1e299", "1e299"}) {
       if (!bounds) bounds = bounds_in(refusal(app, option.name, far));
@@ -146,6 +155,7 @@ const Ranges& ranges() {
 
 TEST(AtALimit, TheLastValueOfAnOptionPassesAndTheNextIsRefused) {
   EXPECT_GT(ranges().of.size(), 150u);
+  EXPECT_GT(ranges().no_numbers, 900);
   EXPECT_EQ(ranges().faults, std::vector<std::string>{}) << testing::PrintToString(ranges().faults);
   // Their own parsers read them.
   EXPECT_EQ(ranges().without, std::set<std::string>{}) << testing::PrintToString(ranges().without);

@@ -244,6 +244,8 @@ TEST_F(ByTouch, EightTouchesGiveTheCamerasPose) {
 
 TEST_F(ByTouch, NothingIsSavedBeforeTheLastFocus) {
   expect_failure(palpa_here(touch("wait*20 enter wait*20 enter")), 1, "before Enter was pressed at focus 3 of 8");
+  expect_failure(palpa_here(touch("wait*20 enter enter")), 1,
+                 "nothing is saved, because it ended at focus 2 of 8: no camera sees a fingertip");
   const Result left = palpa_here(with(touch("wait*20 enter q"), {"--json", "-"}));
   EXPECT_EQ(left.exit_code, 0) << left.err;
   EXPECT_EQ(json::parse(left.out)["saved"], false);

@@ -203,7 +203,7 @@ TEST_F(Registration, RefusesTouchesThatSayNothing) {
       {touches(line, none), four_, "nearly on a line"},
       {touches(the_foci(), off), four_, "do not fit the foci"},
       {touches(the_foci(), none), "wait*29 enter wait*10", "before Enter was pressed at focus 2 of 4"},
-      {touches(the_foci(), none, 8e-3), four_, "before Enter was pressed at focus 1 of 4"},
+      {touches(the_foci(), none, 8e-3), four_, "it ended at focus 1 of 4: hold the fingertip still"},
       {touches({the_foci()[0]}, none), four_, "before Enter was pressed at focus 2 of 4"},
   };
   for (const auto& [film, keys, told] : table) {

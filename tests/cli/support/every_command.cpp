@@ -1,9 +1,12 @@
 #include "cli/support/every_command.hpp"
 
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <iterator>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include "cli/support/process.hpp"
@@ -66,6 +69,27 @@ std::vector<HelpedOption> options_of(const std::string& command) {
     if (std::ranges::find(named, option.name) != named.end()) options.push_back(option);
   }
   return options;
+}
+
+std::vector<std::string> odd_values(const std::string& type, const std::string& odd) {
+  static const std::map<std::string, std::vector<std::string>> examples{{"X,Y,Z", {"10mm", "10mm", "10mm"}},
+                                                                        {"X,Y,Z[,A]", {"10mm", "10mm", "10mm", "1"}},
+                                                                        {"X,Y,Z[,R]", {"10mm", "10mm", "10mm", "1mm"}},
+                                                                        {"W,H", {"10mm", "10mm"}},
+                                                                        {"N,M", {"4", "4"}}};
+  static const std::set<std::string> numbers{
+      "LENGTH",  "TIME",    "FREQUENCY", "SPEED",     "PRESSURE",       "NUMBER",     "N",  "A",       "CELSIUS",
+      "PERCENT", "DEGREES", "PART",      "TIME|auto", "FREQUENCY|auto", "SPEED|auto", "DB", "DECIBELS"};
+  if (numbers.contains(type)) return {odd};
+  const auto parts = examples.find(type);
+  if (parts == examples.end()) return {};
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < parts->second.size(); ++i) {
+    std::vector<std::string> value = parts->second;
+    value[i] = odd;
+    values.push_back(fmt::format("{}", fmt::join(value, ",")));
+  }
+  return values;
 }
 
 QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder_ / "cache") {

@@ -24,6 +24,10 @@ std::vector<HelpedOption> options_in(const std::string& help);
 /// Every option of a command of palpa, also those that all commands have.
 std::vector<HelpedOption> options_of(const std::string& command);
 
+/// Values of an option that takes numbers, as its type says: in each, another of its numbers is `odd`. Empty for other
+/// types.
+std::vector<std::string> odd_values(const std::string& type, const std::string& odd);
+
 /// For each command, a command line that succeeds within a fraction of a second without a GPU, and its input files.
 /// `emulate` runs until a signal comes.
 class QuickLines {

@@ -26,6 +26,7 @@
 #include "driver/autd3/emulated/server.hpp"
 #include "driver/autd3/remote.hpp"
 #include "driver/autd3/wire.hpp"
+#include "driver/plan_tally.hpp"
 #include "support/begins.hpp"
 #include "support/thrown.hpp"
 
@@ -189,6 +190,32 @@ TEST(Autd3Board, CountsDrivesOnceTheirPlanHasCome) {
   rig.end_silent();
 }
 
+TEST(PlanTally, EachTouchMayBeginBeforeItsPlan) {
+  PlanTally tally;
+  for (const std::uint64_t touch : {1, 2, 3}) {
+    tally.allow(2);
+    for (int drive = 0; drive < 5; ++drive)
+      tally.play();
+    EXPECT_EQ(tally.counts(false).starting, 2 * touch);
+    tally.sent();
+    tally.there();
+    tally.play();
+    EXPECT_EQ(tally.counts(false).completed.drives, touch);
+    tally.gone();
+  }
+}
+
+/// Whether the first device's intensity goes from nothing to all within a period of 200 Hz.
+bool is_modulated(const Rig& rig) {
+  std::uint8_t least = 255, most = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto heard = rig.device().output((i + 0.5) / 4000)[0].intensity;
+    least = std::min(least, heard);
+    most = std::max(most, heard);
+  }
+  return least < 5 && most > 250;
+}
+
 TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {
   Rig rig;
   rig.open();
@@ -198,14 +225,7 @@ TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {
   rig.plan(200);
   ASSERT_TRUE(rig.tend_until([&] { return rig.device().transitions() == 2; }));
   EXPECT_EQ(rig.device().operations() - before, 1u + 5 + 1);  // modulation, pairs, transition
-  std::uint8_t least = 255, most = 0;
-  for (int i = 0; i < 20; ++i) {
-    const auto heard = rig.device().output((i + 0.5) / 4000)[0].intensity;
-    least = std::min(least, heard);
-    most = std::max(most, heard);
-  }
-  EXPECT_LT(least, 5);
-  EXPECT_GT(most, 250);
+  EXPECT_TRUE(is_modulated(rig));
   rig.end_silent();
 }
 
@@ -351,6 +371,27 @@ TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
   rig.board->all_off();
   EXPECT_TRUE(rig.board->close());
   EXPECT_TRUE(rig.silent());
+}
+
+TEST(Autd3Board, AServerThatComesBackIsModulatedAgain) {
+  Rig rig;
+  rig.open();
+  for (auto& drive : rig.drives)
+    drive.amplitude = 1;
+  rig.plan(200);
+  ASSERT_TRUE(rig.sounds());
+  const std::uint16_t port = rig.serving->port();
+  rig.serving.reset();
+  ASSERT_TRUE(test::begins([&] {
+    rig.board->tend();
+    return rig.notes.warnings.size() == 1;
+  }));
+  rig.serving = std::make_unique<Serving>(rig.server, port);
+  ASSERT_TRUE(rig.tend_until([&] { return rig.notes.warnings.size() == 2; }));
+  ASSERT_TRUE(rig.sounds());
+  EXPECT_TRUE(is_modulated(rig)) << "the devices were cleared";
+  rig.board->all_off();
+  EXPECT_TRUE(rig.board->close());
 }
 
 TEST(Autd3Board, ASlowServerHearsTheNewestPlanAndSilenceInTime) {

@@ -123,6 +123,16 @@ TEST(SonicSurfaceWire, ACalibrationIsTakenOffAndPhasesRoundToTheNearestStep) {
   EXPECT_EQ(machine.sounding(0, 1), 16);
   EXPECT_EQ(machine.sounding(0, 2), 0);
   EXPECT_EQ(machine.sounding(0, 3), 24);
+  // Each of two boards has its own values.
+  degrees.resize(2 * transducers, 180.0f);
+  degrees[transducers + 1] = 90;
+  drive.assign(2 * transducers, {1.0f, 0.0f});
+  EmulatedBoards pair(2, false);
+  const Encoder encoder(2, Firmware::plain, degrees);
+  pair.take(0, encoder.all_off());
+  pair.take(0, frame_of(encoder, drive));
+  for (const auto& [board, transducer, step] : {std::array{0, 0, 0}, {0, 1, 16}, {1, 0, 16}, {1, 1, 24}})
+    EXPECT_EQ(pair.sounding(static_cast<std::size_t>(board), static_cast<std::size_t>(transducer)), step) << board;
 }
 
 TEST(SonicSurfaceEmulator, ReportsInvalidBytes) {

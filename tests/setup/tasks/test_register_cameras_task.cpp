@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -190,6 +191,36 @@ TEST(RegisterCameras, OneWrongTouchIsLeftOutAndNamed) {
   touches = person.touch(8);
   touches[2].focus_m += Vec3(0.004, 0, 0);
   EXPECT_FALSE(setup::register_camera(person.camera(), touches, person.layout).wrong);
+}
+
+TEST(RegisterCameras, EachOfSeveralCamerasHasItsOwnLens) {
+  Person person;
+  person.rig = sensing::load_rig(source_file("assets/rigs/openmpd-two.toml"));
+  person.rig.cameras[1].fx = person.rig.cameras[1].fy = 1.3 * person.rig.cameras[0].fx;
+  sensing::SyntheticRig synthetic(person.rig.cameras, {}, sensing::Noise::none, 1);
+  setup::CameraTouches touches(person.layout);
+  touches.begin(person.rig.cameras);
+  sensing::FrameSet set;
+  std::uint64_t frame = 0;
+  const auto see = [&] {
+    set.time_s = static_cast<double>(++frame) / 90;
+    touches.see(set);
+  };
+  for (synthetic.render({}, 0, set); !touches.focus();)
+    see();
+  while (!touches.complete()) {
+    const sensing::Posed posed{&person.finger, glm::translate(Transform(1.0), *touches.focus())};
+    synthetic.render(std::span(&posed, 1), frame, set);
+    for (int seen = 0; seen < 5; ++seen)
+      see();
+    ASSERT_EQ(touches.take(set.time_s), "");
+  }
+  const std::vector<setup::TouchedCamera> found = touches.result(person.rig.cameras);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const PoseError error = pose_error(found[i].T_world_camera, person.rig.cameras[i].T_world_camera);
+    EXPECT_LT(error.at_objects_m, 1.5e-3) << found[i].name;
+    EXPECT_LT(error.degrees, 0.5) << found[i].name;
+  }
 }
 
 }  // namespace

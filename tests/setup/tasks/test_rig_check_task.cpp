@@ -61,6 +61,15 @@ TEST(RigCheck, TwoCamerasSeeNearlyAllAround) {
       << "they stand opposite each other";
 }
 
+TEST(RigCheck, WhatSeveralCamerasSeeCountsForEachOfThem) {
+  sensing::Rig rig = sensing::load_rig(own_rig("openmpd-two"));
+  rig.cameras[1].T_world_camera = rig.cameras[0].T_world_camera;
+  const setup::RigCheck check = check_of(rig);
+  EXPECT_GT(check.contacts[0], 0.4);
+  for (const setup::CameraCheck& camera : check.cameras)
+    EXPECT_EQ(camera.contacts, check.contacts) << camera.name << " stands where the other one stands";
+}
+
 TEST(RigCheck, TheRigsOfAllBoardsStandAlikeAndFarEnoughAway) {
   for (const char* cameras : {"-one", "-two"}) {
     const sensing::Rig usual = sensing::load_rig(own_rig(std::string("openmpd") + cameras));

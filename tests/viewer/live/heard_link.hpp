@@ -20,7 +20,7 @@ namespace palpa::test {
 
 /// Everything that a link was given; it outlives the link.
 struct HeardSound {
-  std::atomic<std::uint64_t> drives{0}, sounding{0};
+  std::atomic<std::uint64_t> drives{0}, sounding{0}, plans{0};
   std::atomic<int> opened{0};
   std::atomic<bool> breaks{false};    ///< set by a test: the link fails
   std::atomic<bool> swallows{false};  ///< set by a test: drives no longer arrive
@@ -43,7 +43,7 @@ class HeardLink final : public session::Link {
     ++heard_->opened;
   }
   const array::Layout* boards() const override { return layout_; }
-  void plan(const session::PlayedPlan&) override {}
+  void plan(const session::PlayedPlan&) override { ++heard_->plans; }
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     if (heard_->breaks) throw failure("heard: broken");
     float loudest = 0;

@@ -87,7 +87,9 @@ TEST(Chart, StaysInItsCorner) {
   for (auto& spectrum : many)
     for (int i = 1; i < 60; ++i)
       spectrum.push_back({i * 16.0, 2.0 / i, 1.0 / i});
-  for (const auto& s : chart(with(many))) {
+  const auto lines = chart(with(many));
+  EXPECT_GT(lines.size(), 60u);
+  for (const auto& s : lines) {
     for (const auto& end : {s.from, s.to}) {
       EXPECT_TRUE(end.x > 95 && end.x < 530) << end.x;
       EXPECT_TRUE(end.y > 570 && end.y < 800) << end.y;

@@ -142,7 +142,7 @@ TEST_F(Viewer, APictureOfARunWaitsForATouchAndForItsSound) {
   };
   EXPECT_EQ(mapped(pixels(run)), 0u);
   EXPECT_GT(mapped(pixels(with(run, {"--show", "slice"}))), 20u);
-  EXPECT_GT(mapped(pixels(with(run, {"--show", "heat", "--eye", "0.03,0.01,0.06"}))), 20u);
+  EXPECT_GT(mapped(pixels(with(run, {"--show", "heat", "--eye", "0.012,-0.002,0.02"}))), 20u);
 }
 
 TEST_F(Viewer, APictureThatWaitedForNothingSaysHowFarTheSkinWas) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sensing/synthetic.hpp"
+#include "session/forward_clock.hpp"
 #include "session/links/sources.hpp"
 #include "study/plan/plan_file.hpp"
 #include "support/begins.hpp"
@@ -59,6 +60,8 @@ class SittingBench {
   ~SittingBench() { end(); }
 
   setup::StudyRunOptions& options() { return run_; }
+  /// The sitting's.
+  ForwardClock& clock() { return clock_; }
   const study::StudyPlan& plan() const { return plan_; }
   viewer::Conductor& conductor() { return *conductor_; }
   const study::Sitting& sitting() const { return conductor_->sitting(); }
@@ -79,7 +82,8 @@ class SittingBench {
     study::EarLevel level;
     level.db = {100, 101};
     level.sounding_s = 10;
-    conductor_ = std::make_unique<viewer::Conductor>(plan_, run_, shapes_, level, kinds, stop_, [] {});
+    conductor_ = std::make_unique<viewer::Conductor>(
+        plan_, run_, shapes_, level, kinds, stop_, [] {}, clock_);
     heard_->opened = 0;  // it was only tried
     heard_->finished = false;
   }
@@ -92,9 +96,11 @@ class SittingBench {
     return begins([&] {
       if (condition()) return true;
       if (keys) {
-        if (const auto press = script_->next(plan_, *conductor_))
+        if (auto press = script_->next(plan_, *conductor_)) {
+          press->event.at_ns = now().count();
           press->experimenter ? conductor_->experimenter(press->event, std::nullopt)
                               : conductor_->participant(press->event, std::nullopt);
+        }
         if (condition()) return true;  // a short touch may be over after one advance() of a busy machine
       }
       conductor_->advance();
@@ -112,13 +118,12 @@ class SittingBench {
   /// A click of the participant on a button, or beside all of them, now or at another time. Returns its time.
   std::chrono::nanoseconds click(std::optional<std::size_t> button,
                                  std::optional<std::chrono::nanoseconds> at = std::nullopt) {
-    const std::chrono::nanoseconds time = at.value_or(std::chrono::steady_clock::now().time_since_epoch());
+    const std::chrono::nanoseconds time = at.value_or(now());
     conductor_->participant({.kind = viewer::WindowEvent::Kind::press, .at_ns = time.count()}, button);
     return time;
   }
   void press(viewer::Key key, bool experimenter = false) {
-    const std::chrono::nanoseconds now = std::chrono::steady_clock::now().time_since_epoch();
-    const viewer::WindowEvent event{.kind = viewer::WindowEvent::Kind::key, .at_ns = now.count(), .key = key};
+    const viewer::WindowEvent event{.kind = viewer::WindowEvent::Kind::key, .at_ns = now().count(), .key = key};
     experimenter ? conductor_->experimenter(event, std::nullopt) : conductor_->participant(event, std::nullopt);
   }
   /// Whether the link gets nothing but silence from a moment on.
@@ -132,6 +137,14 @@ class SittingBench {
   }
 
  private:
+  /// As windows tell it.
+  std::chrono::nanoseconds now() const {
+    const std::chrono::duration<double> ahead(clock_.ahead_s());
+    return std::chrono::steady_clock::now().time_since_epoch() +
+           std::chrono::duration_cast<std::chrono::nanoseconds>(ahead);
+  }
+
+  ForwardClock clock_;
   study::StudyPlan plan_;
   viewer::StudyShapes shapes_;
   setup::StudyRunOptions run_;

@@ -9,7 +9,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "base/files/sha256.hpp"
@@ -252,7 +251,7 @@ TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
   // busy machine may let it stand still for longer.
   bool goes_on = false;
   for (int attempt = 0; attempt < 20 && !goes_on; ++attempt) {
-    std::this_thread::sleep_for(700ms);
+    bench.clock().forward(0.6);
     EXPECT_FALSE(bench.conductor().presentation().gate().is_open());
     EXPECT_TRUE(test::begins([&] { return !bench.heard()->last_sounds; }));
     ASSERT_TRUE(bench.goes_until(
@@ -264,7 +263,7 @@ TEST_F(ConductorTest, AProgramThatStandsStillIsSilent) {
     }
   }
   EXPECT_TRUE(goes_on);
-  std::this_thread::sleep_for(1200ms);
+  bench.clock().forward(1.2);
   expect_pause("stood still");
 }
 

@@ -4,11 +4,10 @@
 #include <chrono>
 #include <memory>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "base/files/sha256.hpp"
-#include "support/begins.hpp"
+#include "session/forward_clock.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/heard_link.hpp"
 #include "viewer/study/gate.hpp"
@@ -49,9 +48,10 @@ class GateTest : public testing::Test {
     drive_[0].amplitude = amplitude;
     link_.send(slot, drive_);
   }
-  static Gate::Clock::time_point later() { return Gate::Clock::now() + 1h; }
+  Gate::Clock::time_point later() const { return gate_.now() + 1h; }
 
-  Gate gate_;
+  test::ForwardClock clock_{false};
+  Gate gate_{clock_};
   Told told_;
   GateLink link_{std::make_unique<ToldLink>(told_), gate_};
   std::shared_ptr<test::HeardSound> heard_ = std::make_shared<test::HeardSound>();
@@ -81,9 +81,9 @@ TEST_F(GateTest, IsClosedAtFirstAndClosesForAPlanThatABoardPlaysByItself) {
 /// A thread that stands still does not renew the moment.
 TEST_F(GateTest, ClosesByItself) {
   plan(0);
-  gate_.open(Gate::Clock::now() + 1h);
+  gate_.open(gate_.now() + 500ms);
   send(0);
-  gate_.open(Gate::Clock::now() - 1ms);
+  clock_.forward(0.51);
   send(1);
   EXPECT_EQ(told_.sounds, (std::vector<bool>{true, false}));
   EXPECT_EQ(told_.voices.back(), 0u);
@@ -92,29 +92,25 @@ TEST_F(GateTest, ClosesByItself) {
 TEST_F(GateTest, MeasuresForHowLongItSounds) {
   plan(0);
   send(0);
-  std::this_thread::sleep_for(20ms);
+  clock_.forward(0.02);
   EXPECT_EQ(gate_.sounded_for(), Gate::Clock::duration(0)) << "it was closed";
   gate_.open(later());
-  const Gate::Clock::time_point begin = Gate::Clock::now();
   send(1);
-  std::this_thread::sleep_for(20ms);
-  EXPECT_GE(gate_.sounded_for(), 20ms) << "the array keeps the drive";
+  clock_.forward(0.02);
+  EXPECT_EQ(gate_.sounded_for(), 20ms) << "the array keeps the drive";
   send(2);
-  std::this_thread::sleep_for(20ms);
+  clock_.forward(0.02);
   send(3, 0);
-  const Gate::Clock::duration sounded = gate_.sounded_for();
-  EXPECT_GE(sounded, 40ms);
-  EXPECT_LE(sounded, Gate::Clock::now() - begin);
-  std::this_thread::sleep_for(5ms);
-  EXPECT_EQ(gate_.sounded_for(), sounded) << "the last drive was silent";
+  EXPECT_EQ(gate_.sounded_for(), 40ms);
+  clock_.forward(0.005);
+  EXPECT_EQ(gate_.sounded_for(), 40ms) << "the last drive was silent";
   send(4);
   gate_.close();
-  std::this_thread::sleep_for(5ms);
+  clock_.forward(0.005);
   send(5);
-  const Gate::Clock::duration closed = gate_.sounded_for();
-  EXPECT_GE(closed, sounded + 5ms) << "until silence was sent";
-  std::this_thread::sleep_for(5ms);
-  EXPECT_EQ(gate_.sounded_for(), closed);
+  EXPECT_EQ(gate_.sounded_for(), 45ms) << "until silence was sent";
+  clock_.forward(0.005);
+  EXPECT_EQ(gate_.sounded_for(), 45ms);
 }
 
 TEST_F(GateTest, ALinkThatIsGoneSoundsNoLonger) {
@@ -122,10 +118,10 @@ TEST_F(GateTest, ALinkThatIsGoneSoundsNoLonger) {
   {
     GateLink link(std::make_unique<ToldLink>(told_), gate_);
     link.send(0, drive_);
+    clock_.forward(0.005);
   }
-  const Gate::Clock::duration sounded = gate_.sounded_for();
-  std::this_thread::sleep_for(5ms);
-  EXPECT_EQ(gate_.sounded_for(), sounded);
+  clock_.forward(0.005);
+  EXPECT_EQ(gate_.sounded_for(), 5ms);
 }
 
 TEST_F(GateTest, KeepsWhatWasPlayed) {
@@ -182,13 +178,13 @@ TEST_F(GateTest, KnowsForHowLongNothingArrives) {
   counting_.send(0, drive_);
   EXPECT_EQ(gate_.unheard(), 0ns) << "it has arrived";
   heard_->swallows = true;
-  bool told = false;
-  for (int i = 0; i < 1000 && !told; ++i) {  // a thread that stands still between the two lines is not meant here
+  for (const auto expected : {0ms, 50ms, 100ms}) {
     counting_.send(1, drive_);
-    told = gate_.unheard(Gate::Clock::now() + 50ms) >= 50ms;
+    EXPECT_EQ(gate_.unheard(), expected);
+    clock_.forward(0.05);
   }
-  EXPECT_TRUE(told);
-  EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 1h), 0ns) << "nothing has sounded for long";
+  clock_.forward(0.06);
+  EXPECT_EQ(gate_.unheard(), 0ns) << "nothing has sounded for long";
   heard_->swallows = false;
   counting_.send(2, drive_);
   EXPECT_EQ(gate_.unheard(), 0ns);
@@ -196,12 +192,14 @@ TEST_F(GateTest, KnowsForHowLongNothingArrives) {
   counting_.send(3, drive_);
   gate_.close();
   counting_.send(4, drive_);
-  EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns) << "nothing is to arrive";
+  clock_.forward(0.05);
+  EXPECT_EQ(gate_.unheard(), 0ns) << "nothing is to arrive";
   // A link that does not count.
   gate_.open(later());
   send(0);
   send(1);
-  EXPECT_EQ(gate_.unheard(Gate::Clock::now() + 50ms), 0ns);
+  clock_.forward(0.05);
+  EXPECT_EQ(gate_.unheard(), 0ns);
 }
 
 /// Silence that is not known to have arrived is not told as silence.
@@ -226,10 +224,12 @@ TEST_F(GateTest, KnowsWhetherTheArrayMaySoundOn) {
 
   gate_.open(later());
   heard_->swallows = true;  // the link does not know
-  ASSERT_TRUE(test::begins([&] {
-    counting_.send(5, drive_);
-    return gate_.may_sound();
-  }));
+  counting_.send(5, drive_);
+  clock_.forward(0.1);
+  counting_.send(5, drive_);
+  EXPECT_FALSE(gate_.may_sound());
+  clock_.forward(0.01);
+  EXPECT_TRUE(gate_.may_sound());
   gate_.doubt();
   gate_.close();
   counting_.send(6, drive_);
