@@ -28,9 +28,9 @@ constexpr double across_m = 0.16;                // maximum distance between the
 constexpr double on_face_m = 3e-3;               // maximum distance of a patch's middle from the target
 constexpr double sample_m = 4e-3;                // distance between samples of the target's surface
 constexpr double hit_m = 2.5e-3, past_m = 8e-3;  // a seen point is on the surface; is behind the surface
-// Samples beyond the faces: their distances from the target; a seen point is in the plane; the cosine from which on
+// Samples around the plate: their distances from it; a seen point is in the plane of its top; the cosine from which on
 // they are looked at; as many, and as many of the hits, are no chance.
-constexpr double least_beyond_m = 4e-3, most_beyond_m = 14e-3, in_plane_m = 1.5e-3, facing_beyond = 0.1;
+constexpr double least_beyond_m = 4e-3, most_beyond_m = 14e-3, in_plane_m = 1e-3, facing_beyond = 0.1;
 constexpr int many_beyond = 10;
 constexpr double share_beyond = 0.01;
 constexpr double least_facing = 0.25;       // cosine above which a sample should be visible
@@ -51,7 +51,7 @@ struct Sample {
 struct Candidate {
   Transform T_target_camera{1.0};
   int hits = 0, past = 0;
-  int beyond = 0;  ///< samples beyond a face where the camera sees something in the face's plane
+  int beyond = 0;  ///< samples around the plate where the camera sees something in the plane of its top
   bool goes_on() const { return beyond >= many_beyond && beyond > share_beyond * hits; }
   double score() const { return hits - 2.0 * (past + beyond); }
   double agreement() const { return hits > 0 ? static_cast<double>(hits) / (hits + past + beyond) : 0; }
@@ -89,23 +89,15 @@ std::vector<Sample> samples_of(const geometry::Mesh& mesh) {
   return samples;
 }
 
-/// Samples of the faces' planes just beyond the faces. Where the target is, nothing is seen there; but a wrong pose
-/// that takes a board for the plate, 6 mm above it, shifts the slopes in their own planes.
-std::vector<Sample> samples_beyond(const std::vector<geometry::Plane>& faces, const geometry::MeshFit& fit) {
-  constexpr double reach_m = 0.1;
+/// Samples around the plate, in the plane of its top. Around a plate, nothing is seen there; but a wrong pose that
+/// takes a board for the plate, 6 mm above it, fits all points of two slopes, shifted along their common edge.
+std::vector<Sample> samples_beyond() {
+  constexpr double last_m = TargetSize::plate_half + most_beyond_m;
   std::vector<Sample> samples;
-  for (const geometry::Plane& face : faces) {
-    const bool plate = face.normal.z == 1;
-    const Vec3 across = plate ? Vec3(1, 0, 0) : glm::normalize(glm::cross(Vec3(0, 0, 1), face.normal)),
-               up = glm::cross(face.normal, across);
-    for (double u = -reach_m; u <= reach_m; u += sample_m) {
-      for (double v = -reach_m; v <= reach_m; v += sample_m) {
-        const Vec3 at = face.offset * face.normal + u * across + v * up;
-        const double side = std::max(std::abs(at.x), std::abs(at.y));
-        if (plate ? side < TargetSize::plate_half : at.z < TargetSize::plate_thickness) continue;
-        const double off_m = fit.distance(at, most_beyond_m);
-        if (off_m > least_beyond_m && off_m < most_beyond_m) samples.push_back({at, face.normal});
-      }
+  for (double x = -last_m; x <= last_m; x += sample_m) {
+    for (double y = -last_m; y <= last_m; y += sample_m) {
+      if (std::max(std::abs(x), std::abs(y)) > TargetSize::plate_half + least_beyond_m)
+        samples.push_back({{x, y, TargetSize::plate_thickness}, {0, 0, 1}});
     }
   }
   return samples;
@@ -127,7 +119,7 @@ class Search {
         fit_(mesh_),
         faces_(target_faces()),
         samples_(samples_of(mesh_)),
-        beyond_(samples_beyond(faces_, fit_)),
+        beyond_(samples_beyond()),
         patches_(find_flat_patches(image)) {}
 
   FoundTarget run() {
@@ -181,10 +173,11 @@ class Search {
   }
 
   Error goes_on() const {
-    return refused(camera_,
-                   "what looks like the target's plate or slopes goes on beyond them, and may be the board beneath it: "
-                   "aim the camera from higher up, so that it sees the plate and two slopes, each at more than 20 "
-                   "degrees, and take away what touches the target");
+    return refused(
+        camera_,
+        "what looks like the target's plate goes on beyond it, and may be the board beneath: aim the camera from "
+        "higher up, so that it sees the plate and two slopes, each at more than 20 degrees, and keep "
+        "things as high as the plate 2 cm away from it");
   }
 
   /// The best poses according to sets of three patches.

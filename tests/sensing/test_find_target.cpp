@@ -242,7 +242,7 @@ TEST(FindTarget, ABoardIsNotTakenForThePlateThatStandsOnIt) {
     EXPECT_LT(off(find_target(camera, seen(camera, board())).T_camera_target, camera).metres, 0.2e-3);
   }
   const Camera lower = level(0.088);
-  expect_refused(lower, seen(lower, board()), {"goes on beyond them, and may be the board", "from higher up"});
+  expect_refused(lower, seen(lower, board()), {"goes on beyond it, and may be the board", "from higher up"});
 }
 
 TEST(StillFrames, LeavesOutWhatMovesAndWhatIsSeldomSeen) {

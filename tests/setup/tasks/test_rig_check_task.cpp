@@ -96,7 +96,7 @@ TEST(RigCheck, ACameraSoLowThatTheBoardLooksLikeThePlateIsNotWell) {
   rig.cameras[0].T_world_camera[3].y = -0.1;
   const setup::CameraCheck low = check_of(rig).cameras[0];
   EXPECT_EQ(low.hold, 0);
-  EXPECT_CONTAINS(low.target_fault, "may be the board beneath it");
+  EXPECT_CONTAINS(low.target_fault, "may be the board beneath");
 }
 
 TEST(RigCheck, WhatACameraCannotSeeCountsAsNotSeen) {
