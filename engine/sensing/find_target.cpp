@@ -30,7 +30,7 @@ constexpr double sample_m = 4e-3;                // distance between samples of 
 constexpr double hit_m = 2.5e-3, past_m = 8e-3;  // a seen point is on the surface; is behind the surface
 // Samples beyond the faces: their distances from the target; a seen point is in the plane; the cosine from which on
 // they are looked at; as many, and as many of the hits, are no chance.
-constexpr double least_beyond_m = 4e-3, most_beyond_m = 14e-3, in_plane_m = 1.5e-3, facing_beyond = 0.1;
+constexpr double least_beyond_m = 8e-3, most_beyond_m = 14e-3, in_plane_m = 1.5e-3, facing_beyond = 0.1;
 constexpr int many_beyond = 10;
 constexpr double share_beyond = 0.01;
 constexpr double least_facing = 0.25;       // cosine above which a sample should be visible
@@ -139,10 +139,7 @@ class Search {
     }
     best = distinct(std::move(best));
     const bool any = !best.empty();
-    // A target that is printed too large goes on, too.
-    std::erase_if(best, [&](const Candidate& candidate) {
-      return candidate.goes_on() && std::abs(scale_of(candidate).scale - 1) < scale_off;
-    });
+    std::erase_if(best, [](const Candidate& candidate) { return candidate.goes_on(); });
     if (any && best.empty()) throw goes_on();
     if (best.empty() || best[0].hits < least_hits || best[0].agreement() < least_agreement) throw not_seen();
     if (best.size() > 1 && best[1].agreement() >= least_agreement && best[1].score() > rival_share * best[0].score()) {
