@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT, run
+from commands import ROOT, run, write_png
 
 # Like the paper's three places, with other images, lenses and units.
 PAPER = re.findall(r"T_world_camera = (\[\[.*?\]\])", (ROOT / "assets/rigs/paper.toml").read_text(), re.S)
@@ -49,15 +49,6 @@ def folder(tmp_path_factory):
     background[:, 75:] = 2000
     write_png(folder / "background.png", background)
     return folder
-
-
-def write_png(file, image):
-    import struct
-    import zlib
-    rows = image.astype(f">u{image.itemsize}")
-    chunks = ((b"IHDR", struct.pack(">IIBBBBB", image.shape[1], image.shape[0], 8 * image.itemsize, 0, 0, 0, 0)),
-              (b"IDAT", zlib.compress(b"".join(b"\0" + row.tobytes() for row in rows))), (b"IEND", b""))
-    file.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks))
 
 
 @pytest.fixture(scope="module")
