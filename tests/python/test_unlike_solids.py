@@ -67,10 +67,12 @@ def folder(tmp_path_factory):
             left = along ** 2 - squared * (centre @ centre - 0.008 ** 2)
             nearest = np.where(left > 0, (along - np.sqrt(np.maximum(left, 0))) / squared, nearest)
         write_png(folder / f"{frame}.png", np.round(nearest / 5e-5).astype(np.uint16))
-    (folder / "recording.toml").write_text("""[recording]
-files = ["%d.png"]
-rate_hz = 30
-[[camera]]
+    (folder / "recording.toml").write_text('[recording]\nfiles = ["%d.png"]\nrate_hz = 30\n' + CAMERA)
+    (folder / "camera.toml").write_text(CAMERA)
+    return folder
+
+
+CAMERA = """[[camera]]
 name = "below"
 width = 264
 height = 56
@@ -80,8 +82,7 @@ cx = 131.5
 cy = 27.5
 depth_unit_m = 5e-5
 T_world_camera = [[1, 0, 0, 0], [0, 0, 1, -0.35], [0, -1, 0, 0], [0, 0, 0, 1]]
-""")
-    return folder
+"""
 
 
 class Exported:
@@ -138,6 +139,41 @@ def is_as(felt, before):
     def rest(all_of):
         return [(when, {key: value for key, value in one.items() if key != "pressure_pa"}) for when, one in all_of]
     return rest(felt) == rest(before) and [one.get("pressure_pa") for _, one in felt] == [one.get("pressure_pa") and pytest.approx(one["pressure_pa"], rel=0.01) for _, one in before]
+
+
+@pytest.mark.parametrize("options", [{"tune": True}, {"spectrum": True, "method": "single-focus"}, {"pressure": 200, "solver": "gs-pat", "method": "multi-focus"}], ids=str)
+def test_a_touch_tells_of_each_finger_what_it_tells_of_it_alone(folder, options):
+    def told(order):
+        touch = palpa.Scene(write_scene(folder / "scene.gltf", order)).touch(depth=folder / "8.png", camera=folder / "camera.toml", layout="openmpd", backend="cpu", **options)
+        fingers = {finger["solid"]: finger for finger in json.loads(touch.json())["fingers"]}
+        depths = {name: np.array(touch.contacts.depths)[np.array(touch.contacts.solids) == number].tolist() for number, name in enumerate(order)}
+        return fingers, depths
+    all_of, depths = told(ORDERS[0])
+    for order in ORDERS[1:] + [[name] for name in SOLIDS]:
+        fingers, its_depths = told(order)
+        assert fingers.keys() == set(order) and its_depths == {name: depths[name] for name in order}
+        for name, key in itertools.product(order, all_of[order[0]]):
+            if len(order) == 1 and key.startswith("pressure") and "pressure" not in options:
+                continue  # it has the whole array
+            assert near(fingers[name].get(key), all_of[name].get(key)), (order, name, key)
+
+
+def near(a, b):
+    """To 1 %, as far as it is numbers."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(near(a[key], b[key]) for key in a)
+    return np.allclose(a, b, rtol=0.01, atol=1e-9) if isinstance(a, (list, float)) and np.asarray(a).dtype.kind == "f" else a == b
+
+
+def test_a_decomposition_cuts_each_solid_as_alone(folder):
+    def cut(order):
+        parts = palpa.decompose(write_scene(folder / "scene.gltf", order), parts=3, resolution=10000)
+        parts.write(folder / "parts.glb")
+        return {one["solid"]: one | {"parts": [part.vertices.tolist() for part in one["parts"]]} for one in parts.solids}, {solid.name: solid.parts for solid in palpa.Scene(folder / "parts.glb")}
+    alone = [cut([name]) for name in SOLIDS]
+    for order in ORDERS:
+        told, written = cut(order)
+        assert list(told) == order and all(told[name] == one[name] and written[name] == kept[name] for name, (one, kept) in zip(SOLIDS, alone))
 
 
 # What a property needs: on its solid, on all of them.
