@@ -110,10 +110,12 @@ def test_a_recording_has_the_fields_of_each_camera(folder):
 
 
 def test_contacts_of_each_camera_are_those_it_finds_alone(folder, seen):
-    alone = {name: contacts_by_camera(touch(folder, (name,), seen), (name,))[name] for name in CAMERAS}
+    touched = {name: touch(folder, (name,), seen) for name in CAMERAS}
+    alone = {name: contacts_by_camera(touched[name], (name,))[name] for name in CAMERAS}
     assert min(len(indices) for indices, _, _ in alone.values()) > 10
     for order in ORDERS:
-        assert contacts_by_camera(touch(folder, order, seen), order) == alone
+        together = touch(folder, order, seen)
+        assert contacts_by_camera(together, order) == alone and together.points == sum(one.points for one in touched.values())
 
 
 CHANGES = {"fx": 700.0, "fy": 590.0, "cx": 90.0, "cy": 80.0, "depth_unit_m": 0.0002, "min_range_m": 0.5, "distortion": [0.1, 0, 0, 0, 0.1], "roi": [0, 0, 80, 100],
@@ -220,3 +222,28 @@ def test_the_doctor_says_of_each_camera_what_it_says_of_it_alone(folder):
         together = told(order)
         assert list(together)[:3] == list(order) and together.pop("all cameras together") == pytest.approx(first.get("all cameras together", {}), rel=1e-9)
         assert together == {name: pytest.approx(alone[name], rel=1e-9) for name in order}
+
+
+def test_the_spread_of_a_rig_is_that_of_all_its_cameras(folder):
+    residuals = dict(zip(CAMERAS, (0.001, 0.0005, 0.002)))
+    def spread(position):
+        return palpa.Layout("openmpd").solve([[0, 0, 0.1]], spread=f"position={position}", draws=20, backend="cpu").spread
+    for order in ORDERS:
+        assert spread(rig_of(folder, order, **{name: {"residual_m": residuals[name]} for name in order})) == spread(np.sqrt(np.mean(np.square(list(residuals.values())))))
+
+
+TABLES = {"array": {"layout": '"sonicsurface"', "T_world_layout": "[[1, 0, 0, 0], [0, 0, 1, -0.15], [0, -1, 0, 0], [0, 0, 0, 1]]"},
+          "screen": {"width_m": "0.4", "height_m": "0.3", "T_world_screen": "[[1, 0, 0, 0], [0, 1, 0, 0.01], [0, 0, 1, -0.05], [0, 0, 0, 1]]", "eye_m": "[0.1, 0.1, 0.6]"},
+          "room": {"low_m": "[-0.1, -0.1, 0]", "high_m": "[0.1, 0.4, 0]"}, "joints": {"T_world_joints": "[[1, 0, 0, 0], [0, 1, 0, 0.1], [0, 0, 1, 0], [0, 0, 0, 1]]", "residual_m": "0.003"}}
+ELSEWHERE = {"screen.eye_m": "viewer: test_viewpoint.cpp", "joints.T_world_joints": "a tracker: test_cli_tracker.cpp", "joints.residual_m": "told: test_cli_nudge.cpp"}
+
+
+def test_every_key_of_a_rig_on_the_page_is_tried():
+    block = re.search(r"```toml\n(\[\[camera\]\].*?)```", (ROOT / "docs/cameras.md").read_text(), re.S)[1]
+    named, table = set(), ""
+    for line in block.splitlines():
+        table = found[1] if (found := re.match(r"\[+(\w+)\]+", line)) else table
+        if key := re.match(r"(?:# )?(\w+) = ", line):
+            named.add(f"{table}.{key[1]}" if table != "camera" else key[1])
+    tried = {key for keys in CAMERAS.values() for key in keys} | set(CHANGES) | {"name", "residual_m", "calibration", "exposure_s", "hardware_preset"}
+    assert named == tried | {f"{table}.{key}" for table, keys in TABLES.items() for key in keys}
