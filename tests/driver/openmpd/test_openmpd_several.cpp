@@ -93,6 +93,37 @@ TEST(OpenMpdSeveral, EachBoardPlaysItsPartWithItsOwnFileInEveryOrder) {
   } while (std::ranges::next_permutation(order).found);
 }
 
+/// With steps between drives, each board shows the frames that it shows alone.
+TEST(OpenMpdSeveral, EachBoardIsShownTheFramesThatItIsShownAlone) {
+  const auto folder = scratch_folder("openmpd-frames");
+  calibrations(folder);
+  const auto shown_by = [](OpenMpdRig& rig, openmpd::Fpga& fpga, const array::Drive& one, const array::Drive& other) {
+    std::vector<openmpd::Pulses> frames;
+    rig.play(one, rig.slot_s);
+    fpga.on_shown([&](double, const openmpd::Pulses& pulses) { frames.push_back(pulses); });
+    rig.play(other, 2 * rig.slot_s);
+    fpga.on_shown([](double, const openmpd::Pulses&) {});
+    return frames;
+  };
+  for (const std::string order : {"ABC", "CAB"}) {
+    for (std::size_t board = 0; board < 3; ++board) {
+      const array::Drive one = parts_of(order), other = parts_of("BCA");
+      ThreeBoards rig(order, folder, true);
+      const auto frames = shown_by(rig, rig.of(order[board]), one, other);
+      OpenMpdRig alone({std::string(1, order[board])});
+      alone.files = folder;
+      alone.steps = true;
+      alone.open();
+      const auto part = [&](const array::Drive& drive) {
+        const auto first = drive.begin() + static_cast<std::ptrdiff_t>(board * count);
+        return array::Drive(first, first + count);
+      };
+      EXPECT_GT(frames.size(), 5u);
+      EXPECT_EQ(frames, shown_by(alone, alone.fpga(0), part(one), part(other))) << order << board;
+    }
+  }
+}
+
 /// What sounds, and how: the frames of the next slots, and the divider, of every board.
 std::string state_of(ThreeBoards& rig, const array::Drive& one, const array::Drive& other) {
   std::string text;

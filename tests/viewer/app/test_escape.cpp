@@ -55,6 +55,38 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   EXPECT_FALSE(says("Q quits")) << "the slider was innermost";
 }
 
+/// Of each field and list of a run and of a touch: what was typed or opened is gone, and nothing begins anew.
+TEST_F(Escape, LeavesWhatWasTypedIntoAFieldOrOpenedAsItWas) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  click("Run");
+  const std::string before = app_->data().content.edit.command();
+  const int runs = went_live_;
+  int tried = 0;
+  draw();
+  const auto named = app_->data().places.named;
+  for (const auto& [name, first] : named) {
+    if (!name.starts_with("--") || name.ends_with(" reset") || name.ends_with(" file")) continue;
+    const auto area = place_of_widget(name);
+    if (!area || area->bottom > size_.height || area->top < 40) continue;
+    SCOPED_TRACE(name);
+    click(*area);
+    if (app_->data().content.edit.command() != before) {  // a switch
+      click(*area);
+    } else {
+      ++tried;
+      send({.kind = Kind::text, .text = "7"});
+      draw();
+      EXPECT_EQ(app_->data().content.edit.command(), before) << "not yet finished";
+      tap(Key::escape);
+    }
+    EXPECT_EQ(app_->data().content.edit.command(), before);
+    EXPECT_FALSE(says("Q quits"));
+  }
+  EXPECT_GT(tried, 5);
+  EXPECT_EQ(went_live_, runs);
+  EXPECT_EQ(state(), LiveState::running);
+}
+
 TEST_F(Escape, QuittingTakesTwoPressesWhileTheArraySoundsAndOneInSilence) {
   ASSERT_TRUE(comes_to_sound());
   key('q');
