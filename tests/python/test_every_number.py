@@ -365,6 +365,71 @@ def falsified(told, places):
     return other
 
 
+# ---- the same numbers as text ---------------------------------------------------------------------------------------
+
+NUMBER = re.compile(r"(?<![\w.#/-])-?\d[\d,]*(?:\.\d+)?(?:e[+-]\d+)?(?![\w.]*[A-Za-z.-]\d)(?: ?(mm2|mm|ms|mN|kHz|%|degrees|min)(?!\w))?")
+SCALES = {"mm2": 1e6, "mm": 1e3, "ms": 1e3, "mN": 1e3, "kHz": 1e-3, "%": 100, "degrees": 180 / math.pi, "min": 1 / 60}
+# Times, constants of a model and of a sentence, and a formula's name.
+SAID = re.compile(r"(?: in [\d.]+ s\b| \([\d.]+ m?s\)|[\d.]+ m beside the beam|\b9[05] %|4 rho c|\|p\|\^2|within 10 cm|for 8 hours|seed 0|as boards? \d|interval)")
+# Numbers that stand in no JSON, by formula.
+TEXT_ONLY = {
+    "drive": lambda j, folder: [j["sound_speed_m_s"] / j["frequency_hz"]],
+    "scatter": lambda j, folder: loudest_of_faces(folder),
+    "play": lambda j, folder: [j["slots"] * j["slot_s"]],
+    "link test": lambda j, folder: (palpa.Layout("openmpd").positions[2:5]).ravel().tolist() + [2, 3, 4],
+    "afferents": lambda j, folder: [sum(one[kind] for one in j["spikes"]) / (len(j["spikes"]) * j["bin_s"]) for kind in ("sa1", "ra", "pc")],
+    # The limits of the authorities, and 40 kHz and the years beside them; the level of reflections.
+    "study level": lambda j, folder: [j["level_db"] + j["reflections_db"], 100, 110, 130, 115, 40, 1984, 2010],
+    "study compare": lambda j, folder: shares_of(j["tables"]), "study analyse": lambda j, folder: shares_of(j["methods"]),
+    "doctor": None,  # the names of libraries and devices
+}
+
+
+def loudest_of_faces(folder):
+    rows = rows_of(folder / "faces.csv")
+    loudest = max(rows, key=lambda row: math.hypot(row["re"], row["im"]))
+    return [math.hypot(loudest["re"], loudest["im"]), loudest["x"], loudest["y"], loudest["z"]]
+
+
+def shares_of(tables):
+    return [share for table in tables for row in table["counts"] for share in (np.array(row) / sum(row)).tolist()]
+
+
+def all_numbers(at):
+    """Those of a JSON, and how long its lists are."""
+    if isinstance(at, (dict, list)):
+        yield len(at)
+        for inner in at.values() if isinstance(at, dict) else at:
+            yield from all_numbers(inner)
+    elif isinstance(at, (int, float)) and not isinstance(at, bool):
+        yield at
+
+
+def strange_numbers(text, known):
+    """Those that are none of the known ones, to their last digit, in any of the units that they may be in."""
+    strange, known = [], np.abs(np.array(known, float))
+    for found in NUMBER.finditer(SAID.sub("", text)):
+        number = found[0].split()[0].rstrip(",%").replace(",", "")
+        digits, _, power = number.partition("e")
+        step = 0.5001 * 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
+        scales = {1, SCALES[found[1]]} if found[1] else {1, 1e3, 1e6, 100}
+        if not any((np.abs(known * scale - abs(float(number))) <= step + 1e-9 * abs(float(number))).any() for scale in scales):
+            strange.append(found[0])
+    return strange
+
+
+def check_text(line, told, text, folder):
+    """Each number that the command says stands in its JSON, or is computed here."""
+    more = TEXT_ONLY.get(line.partition(" --")[0], lambda j, folder: [])
+    if more is None:
+        return
+    known = [*all_numbers(told), *more(told, folder)]
+    text = text.replace(str(folder), "")
+    assert strange_numbers(text, known) == [], text
+    wrong = re.sub(r"\d\.\d{2,}", lambda found: f"{1.07 * float(found[0]) + 0.003:.{len(found[0]) - 2}f}", SAID.sub("", text))
+    assert len(strange_numbers(wrong, known)) >= len(re.findall(r"\d\.\d{2,}", SAID.sub("", text))) // 5, "a wrong number is seen"
+
+
 @pytest.fixture(scope="module")
 def inputs(tmp_path_factory, sphere):
     folder = tmp_path_factory.mktemp("numbers")
@@ -380,7 +445,9 @@ def inputs(tmp_path_factory, sphere):
 def test_a_number_has_a_check(line, inputs):
     out = inputs / line.replace(" ", "_")
     out.mkdir()
-    told = json.loads(run([word.replace("OUT/", f"{out}/").replace("IN/", f"{inputs}/") for word in shlex.split(LINES[line])] + ["--json", "-"]))
+    text = run([word.replace("OUT/", f"{out}/").replace("IN/", f"{inputs}/") for word in shlex.split(LINES[line])] + ["--json", str(out / "told.json")])
+    told = json.loads((out / "told.json").read_text())
+    check_text(line, told, text, out)
     numbers, checks = numbers_in(told), NUMBERS[line]
     listed = [name for names in [*checks.values(), *NUMBERS[line.partition(" --")[0]].values()] for name in names.split()] + sorted(MEASURED)
     assert [number for number in numbers if not has(listed, number)] == [], "a new number needs a check"
@@ -396,6 +463,25 @@ def test_a_number_has_a_check(line, inputs):
             except (AssertionError, IndexError, ValueError):
                 continue
             raise AssertionError(f"the check of {number} does not see a wrong one")
+
+
+def test_the_numbers_of_a_plan(tmp_path):
+    """They stand in text only."""
+    plan = "assets/studies/five-minutes.toml"
+    text = run(["study", "plan", plan, "--csv", str(tmp_path / "order.csv")])
+    steps = list(csv.DictReader((tmp_path / "order.csv").read_text().splitlines()))
+    level = json.loads(run(["study", "level", plan, "--json", "-"]))
+    blocks = [(int(times), float(each)) for times, each in re.findall(r"(\d+) x (\d+) s", text)]
+    assert re.search(r"participant 1: (\d+) steps, (\d+) min of touch", text).groups() == (str(len(steps)), f"{sum(times * each for times, each in blocks) / 60:.0f}")
+    assert sum(times for times, _ in blocks) == len(steps)
+    found = re.search(r"at the ceiling (\S+): (\S+) dB predicted at the louder ear \(limit (\S+) dB\), a force of (\S+) mN", text)
+    ceiling, heard, limit, force = map(float, found.groups())
+    assert (ceiling, limit) == (level["ceiling"], level["limit_db"]) and heard == pytest.approx(level["level_db"], abs=0.06)
+    wanted, needed, loud = map(float, re.search(r"the paper's force, (\S+) mN, needs a ceiling of about (\S+), (\S+) dB", text).groups())
+    assert wanted == 16 and needed == pytest.approx(ceiling * math.sqrt(wanted / force), rel=0.02) and loud == pytest.approx(heard + 20 * math.log10(needed / ceiling), abs=0.6)
+    (tmp_path / "plan.toml").write_text((ROOT / plan).read_text().replace("ceiling = 0.04", "ceiling = 0.12").replace("limit_db = 110", "limit_db = 150"))
+    louder = float(re.search(r"a force of (\S+) mN", run(["study", "plan", str(tmp_path / "plan.toml")]))[1])
+    assert louder == pytest.approx(9 * force, rel=0.07)  # both have two digits
 
 
 def test_the_line_of_foci_has_the_pressure_under_the_ceiling(inputs):
