@@ -176,6 +176,23 @@ def test_a_decomposition_cuts_each_solid_as_alone(folder):
         assert list(told) == order and all(near(told[name], one[name]) and written[name] == kept[name] for name, (one, kept) in zip(SOLIDS, alone))
 
 
+def test_a_pose_of_a_session_moves_its_solid_only(folder):
+    for order in ORDERS:
+        session = palpa.Session(palpa.Scene(write_scene(folder / "scene.gltf", order)), depth=True, camera=folder / "camera.toml", backend="cpu")
+        image = palpa.Recording(folder).images(8)
+
+        def contacts():
+            found = session.touch(depth=image).contacts
+            return {name: np.array(found.depths)[np.array(found.solids) == number] for number, name in enumerate(order)}
+        before = contacts()
+        for name in SOLIDS:
+            for which in (name, order.index(name)):
+                session.set_pose(which, [[1, 0, 0, 0], [0, 1, 0, -0.0003], [0, 0, 1, 0], [0, 0, 0, 1]])
+                after = contacts()
+                assert {other for other in SOLIDS if not np.array_equal(after[other], before[other])} == {name}
+                session.set_pose(which, np.eye(4))
+
+
 # What a property needs: on its solid, on all of them.
 NEEDS = {"click": ({"press_depth_m": 0.001}, {}), "grain_m": ({"texture": [1, 0.5, 0.5]}, {}), "pressure_pa": ({}, {name: {"pressure_pa": 150.0 + 50 * number} for number, name in enumerate(SOLIDS)})}
 
