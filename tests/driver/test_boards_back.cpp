@@ -18,6 +18,7 @@
 #include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/pseudo_terminal.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::test {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "observer/kept_variants.hpp"
-#include "support/files.hpp"
 #include "support/own_cache.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::observer {
 namespace {

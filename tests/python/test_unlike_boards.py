@@ -127,11 +127,49 @@ def test_a_finger_among_unlike_boards_feels_the_same_in_each_order(folder, spher
 
 def test_cameras_see_each_board_in_each_order(folder):
     """What hides a camera's view, what counts as surroundings, and what the doctor says of boards."""
+    rig = "assets/rigs/openmpd-one.toml"
+
     def told(order):
-        doctor = json.loads(run(["doctor", "--rig", "tests/cli/support/small_rig.toml", "--layout", str(file_of(folder, order)), "--backend", "cpu", "--json", "-", "--quiet"]))["rig"]
-        exported = palpa.export("assets/cube.glb", "synthetic", rig="tests/cli/support/small_rig.toml", layout=file_of(folder, order), frames=3, noise_free=True, backend="cpu")
+        doctor = json.loads(run(["doctor", "--rig", rig, "--layout", str(file_of(folder, order)), "--backend", "cpu", "--json", "-", "--quiet"]))["rig"]
+        exported = palpa.export("assets/cube.glb", "synthetic", rig=rig, layout=file_of(folder, order), frames=2, noise_free=True, backend="cpu")
         return [{key: row[key] for key in row if key not in ("hold", "advice")} for row in doctor], json.loads(exported.json())["dropped"]  # the target stands on the first
     first = told(ORDERS[0])
-    assert first[0][0]["board"] > 0
-    for order in ORDERS[1:]:
+    assert first[0][0]["board"] > 0.01
+    for order in (ORDERS[2], ORDERS[5]):
         assert told(order) == first
+
+
+def test_boards_are_compared_each_with_the_first(folder):
+    """Three boards that are turned differently, and transducers one after the other."""
+    places = {"a": ([0, 0, 0], [1, 0, 0, 0]), "b": ([0.25, 0.0, 0.05], [0.9238795325, 0, -0.3826834324, 0]), "c": ([0.0, 0.25, 0.04], [0.9238795325, 0.3826834324, 0, 0])}
+    k, place = 2 * np.pi * 40e3 / (331.3 * np.sqrt(1 + 20 / 273.15)), np.array([0.01, 0.02, 0.15])
+    for order in ("abc", "cab"):
+        file = folder / f"{order}.toml"
+        file.write_text("".join(f'[[unit]]\ntype = "openmpd"\nposition_m = {places[name][0]}\nquaternion_wxyz = {places[name][1]}\n' for name in order))
+        away = np.linalg.norm(palpa.Layout(file).positions - place, axis=1)
+        test = ["link", "test", "--layout", str(file), "--link", f"record:{folder}/{order}.bin", "--each", "1ms", "--rest", "0", "--dwell", "1ms", "--quiet"]
+        run([*test, "--compare", "0.01,0.02,0.15"])
+        steps = {}
+        for drive in drives_of(folder / f"{order}.bin"):
+            sounds = [part.any() for part in np.split(drive[:, 0] > 0, 3)]
+            if not any(sounds):
+                continue
+            turns = np.split((drive[:, 1] + k * away) / (2 * np.pi), 3)
+            assert sounds[0] and sum(sounds) == 2
+            board = 1 + sounds[1:].index(True)
+            apart = turns[board][:, None] - turns[0][None]
+            assert np.abs(np.angle(np.exp(2j * np.pi * (apart - apart[0, 0])))).max() < 5e-3, "both meet at the place"
+            steps.setdefault(board, set()).add(round(-16 * apart[0, 0]) % 16)
+        assert steps == {1: set(range(16)), 2: set(range(16))}
+        (folder / f"{order}.bin").unlink()
+        told = run([*test[:-1], "--first", "300", "--last", "302"])
+        assert [line.split(" at ")[0] for line in told.splitlines()[:3]] == ["300", "301", "302"]
+        for line, position in zip(told.splitlines(), palpa.Layout(file).positions[300:303]):
+            assert np.allclose(np.array(line.split(" at ")[1].removesuffix(" mm").split(", "), float), 1e3 * position, atol=0.06)
+        heard = [np.flatnonzero(drive[:, 0]).tolist() for drive in drives_of(folder / f"{order}.bin")]
+        assert [one for one, _ in itertools.groupby(one for one in heard if one)] == [[300], [301], [302]]
+
+
+def drives_of(file, transducers=768):
+    data = file.read_bytes()
+    return np.frombuffer(data[24:], np.dtype([("slot", "<u8"), ("drive", "<f4", (transducers, 2))]))["drive"]

@@ -18,6 +18,7 @@
 #include "driver/openmpd/openmpd_files.hpp"
 #include "driver/openmpd/openmpd_rig.hpp"
 #include "support/files.hpp"
+#include "support/shared_data.hpp"
 
 namespace palpa::test {
 namespace {
@@ -171,7 +172,7 @@ TEST(OpenMpdSeveral, ABoardThatWasAwayIsAsANewOne) {
   }
 }
 
-/// Of boards of several types, each plays its part as alone, in every order, and the least amplitude is that of all.
+/// Boards of several types play their parts as alone, in every order. The least amplitude is the least of theirs.
 TEST(BoardPlaySeveral, EachTypeOfBoardPlaysItsPartAsAlone) {
   std::vector<std::string> order{"autd3", "openmpd", "sonicsurface"};
   std::minstd_rand random(1);

@@ -55,7 +55,7 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   EXPECT_FALSE(says("Q quits")) << "the slider was innermost";
 }
 
-/// Of each field and list of a run and of a touch: what was typed or opened is gone, and nothing begins anew.
+/// What was typed into a field, or opened, is gone, and no run begins anew.
 TEST_F(Escape, LeavesWhatWasTypedIntoAFieldOrOpenedAsItWas) {
   ASSERT_TRUE(comes_to(LiveState::running));
   click("Run");
