@@ -59,7 +59,7 @@ struct EscapeInFields : LiveAppWithPanels {
   EscapeInFields() : LiveAppWithPanels({900, 1600}) {}
 };
 
-/// What was typed into a field, or opened, is gone, and no run begins anew.
+/// What was typed into a field, or opened, is gone, and no other run begins.
 TEST_F(EscapeInFields, LeavesWhatWasTypedIntoAFieldOrOpenedAsItWas) {
   ASSERT_TRUE(comes_to(LiveState::running));
   click("Run");

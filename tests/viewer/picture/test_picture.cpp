@@ -110,7 +110,7 @@ TEST(Picture, CamerasAreFrustaInTheWorld) {
   EXPECT_NEAR(picture.cameras[0].corners[1].z, 3.08, 1e-6);
 }
 
-/// Of unlike cameras and boards, each is drawn as it is alone.
+/// Unlike cameras and boards are each drawn as alone.
 TEST(Picture, EachOfSeveralCamerasAndBoardsHasItsOwnMark) {
   std::vector<sensing::Camera> cameras{test::pinhole("left", 800, 400, 400), test::pinhole("right", 64, 48, 30),
                                        test::pinhole("tall", 100, 300, 200)};
