@@ -112,6 +112,16 @@ def inputs(tmp_path_factory, sphere):
     return folder
 
 
+def test_the_columns_of_spikes_over_time(inputs):
+    told = json.loads(run([word.replace("--csv", "--times").replace("OUT", str(inputs / "times.csv")).replace("IN/", f"{inputs}/") for word in shlex.split(LINES["afferents"])]
+                          + ["--json", "-"]))
+    rows = list(csv.DictReader((inputs / "times.csv").read_text().splitlines()))
+    assert list(rows[0]) == ["time_s", "sa1", "ra", "pc"] and len(rows) == len(told["spikes"])
+    for number, (row, spikes) in enumerate(zip(rows, told["spikes"])):
+        assert float(row["time_s"]) == pytest.approx(told["bin_s"] * (number + 0.5), abs=0.51 * told["bin_s"])
+        assert [float(row[kind]) for kind in ("sa1", "ra", "pc")] == pytest.approx([spikes[kind] for kind in ("sa1", "ra", "pc")], rel=1e-5)
+
+
 @pytest.mark.parametrize("line", LINES)
 def test_a_column_is_known(line, inputs):
     file = inputs / f"{line.replace(' ', '-')}.csv"
