@@ -43,7 +43,7 @@ def rehearsed(file):
     return {str(path.relative_to(out)): path.read_text() for path in sorted(out.rglob("*")) if path.is_file()}
 
 
-# Of these, the first is the quickest.
+# The first one is the quickest.
 MAKERS = [rehearsed, *(lambda file, command=command: run(["study", command, str(file), "--json", "-", "--quiet"]) for command in ("plan", "level"))]
 
 

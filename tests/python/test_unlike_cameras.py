@@ -188,7 +188,7 @@ def test_calibrations_of_cameras_are_those_they_have_alone(folder):
             assert camera["moved_m"] < 1e-3 and camera["turned_rad"] < 2e-3
         return cameras
     alone = {name: found((name,))[name] for name in CAMERAS}
-    for order in ORDERS[::2]:
+    for order in (ORDERS[0], ORDERS[3]):
         together = found(order)
         assert tuple(together) == order
         for name, (key, near) in itertools.product(order, CALIBRATED.items()):

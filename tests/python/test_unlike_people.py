@@ -117,7 +117,7 @@ def level(folder, **order):
 def test_ears_shapes_and_methods_of_a_level(tmp_path):
     first, _ = level(tmp_path)
     assert first["left_db"] != pytest.approx(first["right_db"], abs=1)
-    for order in ({"shape": [2, 0, 1]}, {"method": [2, 0, 1]}, {"method": [1, 2, 0], "shape": [1, 0, 2]}):
+    for order in ({"shape": [2, 0, 1]}, {"method": [1, 2, 0], "shape": [1, 0, 2]}):
         other, _ = level(tmp_path, **order)
         for key in ("left_db", "right_db", "level_db", "bound_db", "audible_dba"):
             assert other[key] == pytest.approx(first[key], abs=1e-6), (order, key)
