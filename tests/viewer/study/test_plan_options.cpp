@@ -43,8 +43,8 @@ std::string text_of(const setup::LiveOptions& o) {
                      o.rig.layout, o.link, o.board_files, o.touch.parameters.delta_m, o.touch.parameters.foci,
                      o.touch.stride.value_or(0), o.touch.dwell_s, o.touch.modulation_hz,
                      static_cast<int>(o.touch.method.method), static_cast<int>(o.axes), static_cast<int>(o.smoothing),
-                     o.hysteresis ? static_cast<int>(*o.hysteresis) : -1, static_cast<int>(o.predict), o.safety.ceiling,
-                     o.hold_s, o.hold_auto, static_cast<int>(o.common.backend));
+                     o.hysteresis ? static_cast<int>(*o.hysteresis) : -1, o.predict ? static_cast<int>(*o.predict) : -1,
+                     o.safety.ceiling, o.hold_s, o.hold_auto, static_cast<int>(o.common.backend));
 }
 
 TEST(OptionsOfAMethod, AreItsOwnWhateverItsPlace) {
