@@ -11,6 +11,7 @@ import palpa
 from commands import ROOT, run, write_png
 
 # Like the paper's three places, with other images, lenses and units.
+CUBE = ROOT / "assets/cube.glb"
 PAPER = re.findall(r"T_world_camera = (\[\[.*?\]\])", (ROOT / "assets/rigs/paper.toml").read_text(), re.S)
 CAMERAS = {
     "wide": {"width": 200, "height": 150, "fx": 620.0, "fy": 600.0, "cx": 104.5, "cy": 70.5, "depth_unit_m": 0.0001, "min_range_m": 0.28, "rate_hz": 90.0,
@@ -63,13 +64,13 @@ def seen(folder):
 
 def record(folder, order, **changes):
     kept = folder / f"take-{'-'.join(order)}"
-    palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", rig=rig_of(folder, order, **changes), record=kept, overwrite=True, every_frame=True,
+    palpa.Session(palpa.Scene(CUBE), source="synthetic", rig=rig_of(folder, order, **changes), record=kept, overwrite=True, every_frame=True,
                   **SYNTHETIC).run(frames=6)
     return palpa.Recording(kept)
 
 
 def touch(folder, order, seen, **changes):
-    return palpa.Scene("assets/cube.glb").touch(depth=[seen[name] for name in order], rig=rig_of(folder, order, **changes), min_points=1, backend="cpu")
+    return palpa.Scene(CUBE).touch(depth=[seen[name] for name in order], rig=rig_of(folder, order, **changes), min_points=1, backend="cpu")
 
 
 def contacts_by_camera(touch, order):
@@ -104,8 +105,8 @@ def test_a_recording_has_the_fields_of_each_camera(folder):
                     assert f"-{order.index(name)}.png" in told and (kept / json.loads(told)).exists()
                 else:
                     assert json.loads(told) == json.loads(written(value)), key
-        again = palpa.export("assets/cube.glb", f"recording:{kept}", layout="openmpd", backend="cpu").foci
-        live = palpa.export("assets/cube.glb", "synthetic", frames=6, rig=rig_of(folder, order, **more), **SYNTHETIC).foci
+        again = palpa.export(CUBE, f"recording:{kept}", layout="openmpd", backend="cpu").foci
+        live = palpa.export(CUBE, "synthetic", frames=6, rig=rig_of(folder, order, **more), **SYNTHETIC).foci
         assert len(again["x"]) > 0 and np.allclose(again["x"], live["x"], atol=1e-9)
 
 
@@ -140,7 +141,7 @@ def test_a_field_of_a_camera_changes_only_its_contacts(folder, seen, key):
 
 def fingers_of(folder, order, **options):
     """What all cameras together find, frame by frame."""
-    foci = palpa.export("assets/cube.glb", "synthetic", rig=rig_of(folder, order), **SYNTHETIC, **options).foci
+    foci = palpa.export(CUBE, "synthetic", rig=rig_of(folder, order), **SYNTHETIC, **options).foci
     return {key: np.asarray(value) for key, value in foci.items()}
 
 
