@@ -35,6 +35,13 @@ constexpr const char* single =
 class CliStudy : public testing::Test {
  protected:
   const std::filesystem::path folder_ = scratch_folder("study");
+  /// All tests share what palpa keeps of the fingers' sound.
+  const OwnCache cache_{kept()};
+
+  static const std::filesystem::path& kept() {
+    static const std::filesystem::path folder = scratch_folder("study-cache");
+    return folder;
+  }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   /// A plan of two shapes and a method, plan.toml; `rest` is the end of the method and what follows.
@@ -150,7 +157,6 @@ TEST_F(CliStudy, ReportsReplaceNoFileOfAParticipant) {
 
 TEST_F(CliStudy, ListsAParticipantsSteps) {
   const std::string paper = source_file("assets/studies/paper.toml");
-  const OwnCache cache(folder_ / "cache");
   const json first = report_of({"study", "plan", paper, "--csv", path("order.csv")}),
              sixth = report_of({"study", "plan", paper, "--participant", "6"});
   EXPECT_EQ(first["steps"].size(), 92u);
@@ -226,7 +232,6 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
 
 /// The least depths of a spring may be silent, but not all of them.
 TEST_F(CliStudy, ASpringThatIsSilentAtEveryDepthOfThePlanIsRefused) {
-  const OwnCache cache(folder_ / "cache");
   write_tetrahedron(folder_ / "corners.bin");
   write_scene(folder_ / "plain.gltf", "corners.bin");
   const auto write_spring = [&](const std::string& rows) {
@@ -251,7 +256,6 @@ TEST_F(CliStudy, ASpringThatIsSilentAtEveryDepthOfThePlanIsRefused) {
 
 /// The level at which a force is reached does not depend on the ceiling of the plan, nor on steps of amplitudes there.
 TEST_F(CliStudy, ThePapersForceHasTheSameLevelAtEveryCeiling) {
-  const OwnCache cache(folder_ / "cache");
   std::vector<std::string> told;
   for (const char* ceiling : {"0.03", "0.04", "0.5"}) {
     write_plan("palpa:semi-sphere.glb", std::string("layout = \"openmpd\"\n[level]\nceiling = ") + ceiling + "\n");

@@ -29,6 +29,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// One for all tests here, which also share what palpa keeps between runs.
+const QuickLines& quick_lines() {
+  static const QuickLines lines;
+  return lines;
+}
+
 std::vector<std::string> with_value(const std::vector<std::string>& line, const std::string& option,
                                     const std::string& value) {
   std::vector<std::string> tried = without(line, option);
@@ -58,7 +64,7 @@ void expect_full_program(const std::vector<std::string>& line) {
 }
 
 TEST(EveryOption, BearsWhatIsFarTooLarge) {
-  const QuickLines lines;
+  const QuickLines& lines = quick_lines();
   int tried = 0;
   for (const std::string& command : every_command()) {
     // No value makes these end, they are slow, or they become another program.
@@ -85,7 +91,7 @@ TEST(EveryOption, BearsWhatIsFarTooLarge) {
 }
 
 TEST(EveryOption, PlacesAreWithinReachAndDirectionsAreSo) {
-  const QuickLines lines;
+  const QuickLines& lines = quick_lines();
   const std::vector<std::string> scatter = without(lines.of("scatter"), "--point-source");
   for (const char* far : {"1e300,0,0", "0,-1e300,0", "0,0,10001"})
     expect_failure(palpa_here(with(scatter, {"--point-source", far})), 2,
@@ -103,7 +109,7 @@ TEST(EveryOption, PlacesAreWithinReachAndDirectionsAreSo) {
 }
 
 TEST(EveryOption, AStdoutThatIsFullIsAFailureOfEveryCommand) {
-  const QuickLines lines;
+  const QuickLines& lines = quick_lines();
   const auto expect_full = [](const std::vector<std::string>& line) {
     SCOPED_TRACE(testing::PrintToString(line));
     expect_failure(palpa_here(line, "/dev/full"), 1, "stdout: cannot be written: No space left on device");
