@@ -126,9 +126,11 @@ void expect_silent_end(const std::vector<std::string>& options, const std::vecto
 }
 
 TEST(CliRun, SignalsEndItInSilence) {
-  // driver/guard/test_signals_run.cpp has every signal. A terminal stops nothing in the background.
-  const std::vector<std::pair<std::string, std::vector<int>>> all{
-      {"gpu", {SIGINT}}, {"gpu", {SIGTERM}}, {"cpu", {SIGTTOU, SIGTTIN, SIGTERM}}};
+  // Those that people and terminals send. driver/guard/test_signals_run.cpp has every signal.
+  std::vector<std::pair<std::string, std::vector<int>>> all{{"gpu", {SIGINT}}, {"gpu", {SIGTERM}}};
+  for (const int signal : {SIGHUP, SIGQUIT, SIGTSTP})
+    all.emplace_back("cpu", std::vector{signal});
+  all.emplace_back("cpu", std::vector{SIGTTOU, SIGTTIN, SIGTERM});  // a terminal stops nothing in the background
   side_by_side(3, all, [](const auto& one) { expect_silent_end({"--backend", one.first}, one.second); });
 }
 
