@@ -110,9 +110,8 @@ TEST_F(CliStudy, WarningsInReportsNameFilesWithoutTheFoldersOfThisComputer) {
 TEST_F(CliStudy, ComparesAnythingWithAnything) {
   write_text(folder_ / "single.csv", single);
   write_ten(folder_ / "mine");
-  ASSERT_EQ(palpa_here({"study", "analyse", path("mine"), "--json", path("mine.json"), "--quiet"}).exit_code, 0);
-  ASSERT_EQ(palpa_here({"study", "analyse", path("single.csv"), "--json", path("single.json"), "--quiet"}).exit_code,
-            0);
+  succeeded(palpa_here({"study", "analyse", path("mine"), "--json", path("mine.json"), "--quiet"}));
+  succeeded(palpa_here({"study", "analyse", path("single.csv"), "--json", path("single.json"), "--quiet"}));
   const json counts = report_of({"study", "compare", path("single.csv"), path("single.json")});
   EXPECT_EQ(counts["tables"][1]["counts"], counts["tables"][0]["counts"]);
   const json result = report_of({"study", "compare", "paper", path("single.csv"), path("mine"), path("mine.json")});
@@ -288,8 +287,7 @@ TEST_F(CliStudy, APlansFilesAreRead) {
     }
     EXPECT_FALSE(std::filesystem::exists(path("out"))) << "nothing was begun";
     write_plan("palpa:semi-sphere.glb", "[run]\nmasking = \"sound.wav\"\n");
-    const Result result = palpa_here(line);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa_here(line));
   }
 }
 
@@ -315,8 +313,7 @@ TEST_F(CliStudy, RehearsesAndWithdraws) {
   EXPECT_EQ(result["ended"], true);
   EXPECT_EQ(result["complete"], 4 + 1 + 2 * (1 + 12));
   EXPECT_EQ(report_of(line)["starts"], 1) << "what has finished is only reported again";
-  const Result analysis = palpa_here({"study", "analyse", out, "--json", path("a.json")});
-  EXPECT_EQ(analysis.exit_code, 0) << analysis.err;
+  const Result analysis = succeeded(palpa_here({"study", "analyse", out, "--json", path("a.json")}));
   EXPECT_NE(analysis.err.find("is a rehearsal"), std::string::npos) << analysis.err;
   EXPECT_EQ(json::parse(read_text(path("a.json")))["methods"][0]["mean_accuracy"], 1.0);
   // No log has the name of the user or the host.
@@ -360,9 +357,8 @@ TEST_F(CliStudy, KilledAtRandomInstantsNoTrialIsLostOrDoubled) {
     killed += run.wait(60).by_signal == SIGKILL ? 1 : 0;
   }
   EXPECT_GT(killed, 0u);
-  const Result end = palpa_here({"study", "rehearse", source_file("assets/studies/paper.toml"), "--participant", "3",
-                                 "--out", out, "--json", "-"});
-  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const Result end = succeeded(palpa_here({"study", "rehearse", source_file("assets/studies/paper.toml"),
+                                           "--participant", "3", "--out", out, "--json", "-"}));
   const json result = json::parse(end.out);
   EXPECT_EQ(result["complete"], 92);
   EXPECT_LE(result["void"].get<std::uint32_t>(), killed);

@@ -1,8 +1,8 @@
 // Every option of every command that help lists. No option takes a stdout that cannot be written, and numbers that are
 // far too large or small end it as any other does; test_cli_limits.cpp has what is no number.
 // No option is ignored silently: each is known to have an effect, or is refused on lines on which it has none, so a new
-// option must be added to reviewed_options.cpp. Effects that are cheap to try are tried. (--layout beside --rig is no
-// exception: it replaces the rig's array, as each --help says.)
+// option must be added to reviewed_options.cpp. Effects that tests/python/test_every_option.py does not try are tried.
+// (--layout beside --rig is no exception: it replaces the rig's array, as each --help says.)
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -97,8 +97,7 @@ TEST(EveryOption, PlacesAreWithinReachAndDirectionsAreSo) {
     expect_failure(palpa_here(with(scatter, {"--point-source", far})), 2,
                    "--point-source: '" + std::string(far) + "' is farther");
   const auto force_of = [&](const std::string& way) {
-    const Result result = palpa_here(with(scatter, {"--plane-wave", way, "--json", "-"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(with(scatter, {"--plane-wave", way, "--json", "-"})));
     return result.out.substr(0, result.out.find("timing_ms"));
   };
   EXPECT_EQ(force_of("0,0,1e300"), force_of("0,0,1"));
@@ -213,7 +212,7 @@ TEST_F(EveryReviewedLine, HasOtherResultsWithEffectiveOptions) {
       }
     }
   }
-  EXPECT_GT(tried, instrumented() ? 40 : 100);
+  EXPECT_GT(tried, instrumented() ? 12 : 40);
 }
 
 TEST_F(EveryReviewedLine, HasEveryOptionOfItsCommandSomewhere) {
