@@ -15,7 +15,7 @@ def rows_of(file):
 NUMBER = re.compile(r"(?<![\w.#/-])-?\d[\d,]*(?:\.\d+)?(?:e[+-]\d+)?(?![\w.]*[A-Za-z.-]\d)(?: ?(mm2|mm|ms|mN|kHz|%|degrees|min)(?!\w))?")
 SCALES = {"mm2": 1e6, "mm": 1e3, "ms": 1e3, "mN": 1e3, "kHz": 1e-3, "%": 100, "degrees": 180 / math.pi, "min": 1 / 60}
 # Times, constants of a model and of a sentence, and a formula's name.
-SAID = re.compile(r"(?: in [\d.]+ s\b| \([\d.]+ m?s\)|[\d.]+ m beside the beam|\b9[05] %|4 rho c|\|p\|\^2|within 10 cm|for 8 hours|seed 0|as boards? \d|interval)")
+SAID = re.compile(r"(?: in [\d.]+ s\b| \([\d.]+ m?s\)|[\d.]+ m beside the beam|\b9[05] %|4 rho c|\|p\|\^2|10 dB either way|within 10 cm|for 8 hours|seed 0|as boards? \d|interval)")
 # Numbers that stand in no JSON, by formula.
 TEXT_ONLY = {
     "drive": lambda j, folder: [j["sound_speed_m_s"] / j["frequency_hz"]],
