@@ -48,10 +48,10 @@ class CliTour : public testing::Test {
   CliTour() { fs::create_directory_symlink(source_file("assets"), folder_ / "assets"); }
 
   bool has_viewer() const { return fs::exists(programs_ / "palpa-viewer"); }
-  /// For a shell: the line in the folder, with the programs on the path.
+  /// For a shell: the line in the folder, with the programs on the path, on the backend that palpa chooses.
   std::string in_folder(const std::string& line) const {
     const auto [name, assets] = where_assets_are();
-    return "cd '" + folder_.string() + "' && export PATH='" + programs_.string() + "':$PATH XDG_RUNTIME_DIR='" +
+    return "cd '" + folder_.string() + "' && unset PALPA_BACKEND && export PATH='" + programs_.string() + "':$PATH XDG_RUNTIME_DIR='" +
            folder_.string() + "' " + name + "='" + assets + "' && exec " + line;
   }
   Result run(const std::string& line) const { return run_program("/bin/sh", {"-c", in_folder(line)}); }
