@@ -83,14 +83,14 @@ bool next_frame(App& app, const Size& size, const std::function<double()>& now, 
   return false;
 }
 
-/// A finger has just come: waits until its contacts grow no more, but at most a second. If it leaves meanwhile, the
-/// picture is that of the next touch, from its beginning on.
+/// A finger has just come: waits until its contacts grow no more, but at most 90 frames or 5 s. If it leaves meanwhile,
+/// the picture is that of the next touch, from its beginning on.
 void settled_touch(App& app, const Size& size, const std::function<double()>& now) {
-  constexpr double most_s = 1;
-  constexpr int steady_frames = 4;
+  constexpr double most_s = 5;
+  constexpr int steady_frames = 4, most_frames = 90;
   const double until_s = now() + most_s;
   std::size_t most = app.picture().contacts.size();
-  for (int steady = 0; steady < steady_frames && next_frame(app, size, now, until_s);) {
+  for (int steady = 0, n = 0; steady < steady_frames && n < most_frames && next_frame(app, size, now, until_s); ++n) {
     if (app.picture().fingers.empty()) {
       while (app.picture().fingers.empty() && next_frame(app, size, now, until_s)) {
       }
