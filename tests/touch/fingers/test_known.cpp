@@ -245,6 +245,29 @@ TEST(KnownFingers, AtRestKeepMostOfTheirSamples) {
   EXPECT_GE(share_of_kept_samples(film), 0.5);
 }
 
+TEST(KnownFingers, PartAndMeetIfMostFramesShowIt) {
+  constexpr std::uint32_t frame_us = 11111;
+  const auto after = [](std::initializer_list<bool> shows) {
+    KnownFinger finger;
+    for (const bool show : shows) {
+      finger.doubt = {.several = show, .apart = show};
+      finger.continuation = next_continuation(finger, frame_us);
+    }
+    return finger.continuation;
+  };
+  EXPECT_FALSE(may_part(after({true, true}), frame_us));
+  EXPECT_TRUE(may_part(after({true, true, true}), frame_us));
+  EXPECT_FALSE(may_part(after({true, false, true, false, true}), frame_us)) << "every second frame";
+  EXPECT_TRUE(may_part(after({true, true, true, false, true, true}), frame_us)) << "a single frame does not";
+  EXPECT_FALSE(may_part(after({}), 33333)) << "one frame alone, at 30 Hz";
+  EXPECT_FALSE(may_meet(after({true, true, true}), frame_us));
+  EXPECT_TRUE(may_meet(after({true, true, true, false, true, true}), frame_us));
+  EXPECT_FALSE(may_meet(after({true, true, true, true, true, true, true, true, true, true, true, true, false, false,
+                               false, false, false, false}),
+                        frame_us))
+      << "it ends";
+}
+
 TEST(KnownFingers, RulesAreNumbers) {
   EXPECT_EQ(least_contacts(5, false), 5U);
   EXPECT_EQ(least_contacts(5, true), 3U);
