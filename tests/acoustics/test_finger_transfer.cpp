@@ -117,25 +117,6 @@ TEST(MovingBody, HearsNearlyTheSame) {
   }
 }
 
-TEST(FingerTransfer, IsTheSeriesOfTheSphere) {
-  array::Layout layout = shell(40);
-  layout.transducer_radius_m = 0;
-  const Air& air = still_air();
-  FingerTransfer finger(ball(), layout, air, array::Directivity::omni);
-  std::vector<Vec3> foci;
-  for (int i = 0; i < 12; ++i)
-    foci.push_back(3e-3 * direction(i));
-  const std::vector<Vec3> places = finger.aim(foci);
-  Deviation off;
-  for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
-    const auto series = SphereSeries::point_source(air.wave_number(), radius, layout.transducers[t].position);
-    for (std::size_t i = 0; i < foci.size(); ++i)
-      off.add(transfer_of(finger, layout, foci[i])[t], layout.source_level_pa_m * series.at(places[i]));
-  }
-  EXPECT_LE(off.relative(), 0.006);
-  std::printf("  %.2f %% off the series\n", 100 * off.relative());
-}
-
 TEST(FingerTransfer, DrivesForTheFingerAreTheLoudest) {
   const array::Layout layout = shell(200);
   const Air& air = still_air();

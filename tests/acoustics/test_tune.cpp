@@ -37,15 +37,6 @@ TEST(Tune, KeepsThePapersChoiceOnASmallPerimeter) {
   EXPECT_NEAR(tuned.after.vibration, 0.685, 0.001);
 }
 
-TEST(Tune, FindsThePapersChoiceFromAnother) {
-  TuneOptions options;
-  options.most_foci = 10;
-  const Tuned tuned = tune(ring(15e-3, 10, 1), options);
-  EXPECT_TRUE(tuned.changed);
-  EXPECT_EQ(tuned.ring.stride, 3u);
-  EXPECT_GT(tuned.after.vibration, 2 * tuned.before.vibration);
-}
-
 /// The strongest of a ring's lines from `low_hz` to `high_hz`.
 double strongest(const Ring& ring, double low_hz, double high_hz) {
   double most = 0;

@@ -8,8 +8,7 @@
 #include "array/layouts/board_types.hpp"
 #include "array/layouts/layout_toml.hpp"
 #include "base/error.hpp"
-#include "support/files.hpp"
-#include "support/no_file.hpp"
+#include "support/damaged_text.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "support/time_limits.hpp"
@@ -127,22 +126,6 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_TRUE(fault_of("name = \"x\"\n\"\\u0001\\nb\" = 1").starts_with("line 2: unknown key \\x01\\nb in a layout"));
 }
 
-TEST(LayoutToml, RefusesWhatIsNoFile) {
-  const auto fault_of_file = [](const std::filesystem::path& file) {
-    const double begin_s = test::processor_s();
-    std::string line = test::error_of([&] { load_layout(file.string()); });
-    EXPECT_LT(test::processor_s() - begin_s, test::slowest) << file;
-    EXPECT_TRUE(line.starts_with(file.string() + ": ")) << line;
-    return line;
-  };
-  test::expect_refuses_what_is_no_file(fault_of_file, ".toml");
-  const auto zeros = test::scratch_folder("layout_toml") / "zeros.toml";
-  test::write_text(zeros, std::string(4096, '\0'));
-  EXPECT_CONTAINS(fault_of_file(zeros), "line 1: not TOML");
-  std::filesystem::resize_file(zeros, std::uintmax_t{10} << 30);  // sparse
-  EXPECT_CONTAINS(fault_of_file(zeros), "has 10737418240 bytes");
-}
-
 std::string transducers(std::size_t count) {
   std::ostringstream text;
   for (std::size_t i = 0; i < count; ++i) {
@@ -206,28 +189,10 @@ TEST(LayoutToml, FuzzedTextsNeverGetThroughBroken) {
   const std::string seeds[] = {
       one_unit, transducers(3),
       "unit = [{type = \"openmpd\", position_m = [0, 0, 0], quaternion_wxyz = [1, 0, 0, 0]}]\n"};
-  const std::string alphabet = "[]{}=.,\"'#\n\\ \t019-+eEnai_:TZ\x00\x7f\xc3\xa9x";
-  std::mt19937 random(20240601);
+  std::mt19937_64 random(20240601);
   int accepted = 0;
   for (int round = 0; round < 20000; ++round) {
-    std::string text = seeds[random() % 3];
-    for (unsigned edits = 1 + random() % 4; edits > 0 && !text.empty(); --edits) {
-      const std::size_t at = random() % text.size();
-      switch (random() % 4) {
-        case 0:
-          text[at] = alphabet[random() % alphabet.size()];
-          break;
-        case 1:
-          text.erase(at, 1 + random() % 12);
-          break;
-        case 2:
-          text.insert(at, 1, alphabet[random() % alphabet.size()]);
-          break;
-        default:
-          text.insert(at, text.substr(random() % text.size(), random() % 40));
-          break;
-      }
-    }
+    const std::string text = test::damaged(seeds[random() % 3], random);
     test::error_of([&] {
       const Layout layout = parse_layout_toml(text, "fuzz.toml");
       ++accepted;

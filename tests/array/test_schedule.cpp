@@ -82,16 +82,6 @@ TEST(FillOrder, SaysWhichStrideWouldDo) {
   EXPECT_ERROR(fill_order(0, 1), Exit::usage, "0 foci");
 }
 
-TEST(Schedule, SlotsFollowTheOrder) {
-  const Schedule schedule = schedule_of(voice_of(10));
-  for (std::uint64_t slot = 0; slot < 35; ++slot) {
-    const std::vector<SlotFocus> foci = foci_at(schedule, slot);
-    ASSERT_EQ(foci.size(), 1u);
-    EXPECT_EQ(foci[0].position.x, fill_order(10, 3)[slot % 10]);
-    EXPECT_EQ(foci[0].gain, 1.0F);
-  }
-}
-
 TEST(Schedule, FociThatAdvanceAreWhereTheirVelocityTakesThem) {
   Schedule schedule = schedule_of(voice_of(10));
   schedule.voices[0].velocity = {0, 2, 0};

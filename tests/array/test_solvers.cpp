@@ -365,25 +365,6 @@ TEST_P(SolverOn, TheOrderOfTheFociDoesNotMatter) {
   EXPECT_LE(farthest(forward, GetParam().drive(layout, foci, with(Solver::gs_pat))), tolerance);
 }
 
-// The resulting sound: if foci are near each other, several drives serve them equally well, and rounding may choose
-// among them.
-TEST(Solvers, DeviceAndTwinServeFociNearEachOtherAlike) {
-  const Layout layout = load_layout("paper");
-  const auto sets = test::the_first(8, crowds({}));
-  for (const Constraint constraint : constraints) {
-    const Served twin = serve(backends[0], layout, sets, with(Solver::gs_pat, constraint));
-    const Served device = serve(backends[1], layout, sets, with(Solver::gs_pat, constraint));
-    std::vector<double> apart;
-    for (std::size_t s = 0; s < sets.size(); ++s)
-      apart.push_back(std::abs(device.weakest[s] / twin.weakest[s] - 1));
-    std::ranges::sort(apart);
-    // The sanitizers' few sets have a less certain median.
-    EXPECT_LE(apart[apart.size() / 2], test::instrumented() ? 1e-4 : 3e-5) << static_cast<int>(constraint);
-    EXPECT_LE(apart[apart.size() * 9 / 10], 1e-3) << static_cast<int>(constraint);
-    EXPECT_LE(apart.back(), 0.05) << static_cast<int>(constraint);
-  }
-}
-
 TEST(Solvers, DeviceAndTwinAgree) {
   for (const char* name : {"paper", "openmpd"}) {
     const Layout layout = load_layout(name);

@@ -117,9 +117,9 @@ void expect_poses(const Rig& found, const Rig& truth) {
 TEST_F(Calibrate, FindsThePapersCameras) {
   const Rig truth = sensing::load_rig(std::filesystem::path(where_assets_are().second) / "rigs/paper.toml");
   const std::string source = record("seen", truth, default_pose_of_target(truth));
-  const Result result = palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
-                                    file("found.toml"), "--json", file("found.json"), "--frames", "3"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result =
+      succeeded(palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
+                            file("found.toml"), "--json", file("found.json"), "--frames", "3"}));
   EXPECT_EQ(result.err, "");
   const Rig found = sensing::load_rig(file("found.toml"));
   expect_poses(found, truth);
@@ -149,9 +149,9 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
   const Transform T_world_layout = *truth.array->T_world_layout;
   const Transform elsewhere = T_world_layout * setup::moved_mount(mount, {0.01, 0.005, 0.02}, 90 * degree);
   const std::string source = record("seen", truth, elsewhere);
-  const Result told = palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
-                                  file("found.toml"), "--at", "10mm,5mm,20mm", "--turn", "90", "--quiet"});
-  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Result told =
+      succeeded(palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", source, "--out",
+                            file("found.toml"), "--at", "10mm,5mm,20mm", "--turn", "90", "--quiet"}));
   EXPECT_EQ(told.out + told.err, "");
   expect_poses(sensing::load_rig(file("found.toml")), truth);
 }
@@ -159,9 +159,8 @@ TEST_F(Calibrate, ATargetElsewhereIsToldWhere) {
 TEST_F(Calibrate, WarnsOfATargetOrACameraOfAnotherScale) {
   const Rig truth = one_camera(rig_of_a_board());
   const std::string large = record("large", truth, glm::scale(default_pose_of_target(truth), Vec3(1.03)));
-  const Result result = palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", large, "--json",
-                                    file("large.json"), "--out", file("found.toml")});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here({"calibrate", "--rig", write("lost.toml", lost(truth)), "--source", large,
+                                              "--json", file("large.json"), "--out", file("found.toml")}));
   const json camera = json::parse(read_text(file("large.json")))["cameras"][0];
   EXPECT_NEAR(camera["scale"], 1.03, 0.008) << camera;
   EXPECT_LT(camera["scale_deviation"], 0.005);

@@ -76,8 +76,7 @@ TEST_F(DecomposeConvex, ConvexSolidsAreTheirOnlyPartsAndTouchedAsBefore) {
   meshes.push_back({"turned", box(low + aside, high + aside)});
   geometry::flip(meshes.back().mesh);
   const std::string in = scene("boxes.glb", meshes);
-  const Result result = palpa_here({"decompose", "--scene", in, "--out", out_, "--json", "-"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here({"decompose", "--scene", in, "--out", out_, "--json", "-"}));
   EXPECT_EQ(result.err_lines().size(), 1u) << result.err;
   EXPECT_CONTAINS(result.err, "mesh \"turned\" is inside out; its faces are turned");
   const json solids = json::parse(result.out)["solids"];
@@ -109,8 +108,7 @@ TEST_F(Decompose, ItsPartsAreOneSolidAgainAndThoseThatTouchMakes) {
   const std::string in = scene("two.glb", {{"ell", ell(), haptics},
                                            {"beside", box({0.1, -0.04, 0}, {0.14, 0, 0.04})},
                                            {"table", box({-1, -0.06, -1}, {1, -0.05, 1}), {.touchable = false}}});
-  const Result result = palpa_here({"decompose", "--scene", in, "--parts", "4", "--out", out_});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here({"decompose", "--scene", in, "--parts", "4", "--out", out_}));
   EXPECT_CONTAINS(result.out, "ell: ");
   EXPECT_CONTAINS(result.out, "beside: 1 part");
   const geometry::Scene read = geometry::load_gltf(out_);
@@ -178,11 +176,8 @@ TEST_F(Decompose, SaysWhatIsWrongWithTheLine) {
   flat.triangles = {{0, 1, 2}};
   expect_refused({"decompose", "--out", out_},
                  {{{}, "--scene is missing"},
-                  {{"--scene", cube_, "--parts", "0"}, "from 1 to 1024"},
-                  {{"--scene", cube_, "--parts", "1025"}, "from 1 to 1024"},
                   {{"--scene", cube_, "--resolution", "10"}, "such as 400k"},
                   {{"--scene", cube_, "--resolution", "4.5k x"}, "such as 400k"},
-                  {{"--scene", cube_, "--error", "0"}, "--error"},
                   {{"--scene", file("none.glb")}, "none.glb", 4},
                   {{"--scene", scene("scenery.glb", {{"table", ell(), {.touchable = false}}})}, "touched", 4},
                   {{"--scene", scene("flat.glb", {{"leaf", flat}})}, "mesh \"leaf\" is flat", 4}});

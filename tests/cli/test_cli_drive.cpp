@@ -128,10 +128,8 @@ void expect_same(const std::vector<std::string>& touching, const std::vector<std
 
 TEST(Drive, ASlotOfATouchIsItsFocusMovedIntoTheLayout) {
   const std::string file = folder() / "touch.json", rig = folder() / "rig.toml";
-  ASSERT_EQ(palpa_here({"touch", "--scene", source_file("assets/cube.glb"), "--points",
-                        source_file("assets/finger.ply"), "--penetration", "3mm", "--json", file, "--backend", "cpu"})
-                .exit_code,
-            0);
+  succeeded(palpa_here({"touch", "--scene", source_file("assets/cube.glb"), "--points",
+                        source_file("assets/finger.ply"), "--penetration", "3mm", "--json", file, "--backend", "cpu"}));
   const json touch = json::parse(read_text(file));
   const json& focus = touch["fingers"][0]["foci_m"].at(touch["schedule"]["order"].at(3).get<std::size_t>());
   // Coordinates of a touch are decimals of floats.
@@ -184,7 +182,7 @@ TEST(DriveShaders, AreCompiledOnceForAnyNumberOfFociAndTransducers) {
     std::vector<std::string> line{"drive", "--layout", layout, "--csv", "/dev/null", "--quiet"};
     for (int j = 0; j < foci; ++j)
       line.insert(line.end(), {"--focus", std::to_string(0.01 * j) + ",0.02,0"});
-    EXPECT_EQ(palpa(line, {.environment = {{"MESA_SHADER_CACHE_DIR", cache.string()}}}).exit_code, 0);
+    succeeded(palpa(line, {.environment = {{"MESA_SHADER_CACHE_DIR", cache.string()}}}));
     int files = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(cache))
       files += entry.is_regular_file() ? 1 : 0;

@@ -45,10 +45,8 @@ class CliExport : public testing::Test {
 
   static std::filesystem::path recorded() {
     const auto take = scratch_folder("take") / "take";
-    EXPECT_EQ(palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "12", "--every-frame",
-                          "--backend", "cpu", "--record", take.string(), "--quiet"})
-                  .exit_code,
-              0);
+    succeeded(palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "12", "--every-frame",
+                          "--backend", "cpu", "--record", take.string(), "--quiet"}));
     return take;
   }
 
@@ -77,8 +75,7 @@ class CliExport : public testing::Test {
   Result exported(const std::string& source, const std::vector<std::string>& outputs,
                   const std::string& backend = "cpu") const {
     const Result result =
-        palpa_here(with({"export", "--scene", cube, "--source", source, "--backend", backend}, outputs));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+        succeeded(palpa_here(with({"export", "--scene", cube, "--source", source, "--backend", backend}, outputs)));
     return result;
   }
   /// They end in silence.
@@ -220,9 +217,7 @@ TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
   for (const auto& [options, again, tolerance] : cases) {
     SCOPED_TRACE(testing::PrintToString(options));
     exported(source, with(options, {"--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}));
-    const Result result =
-        palpa_here(with({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}, again));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa_here(with({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}, again)));
     if (tolerance == 0) {
       EXPECT_TRUE(read_text(in("d.bin")) == read_text(in("again.bin")));
       continue;
@@ -251,11 +246,9 @@ TEST_F(CliExport, FociWhoseGainsChangeHaveTheSameDrivesAgain) {
   geometry::write_glb(in("scene.glb"), meshes);
   cube = in("scene.glb");
   for (const char* method : {"cross-section", "single-focus"}) {
-    ASSERT_EQ(
-        exported(source, {"--method", method, "--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}).exit_code,
-        0);
+    succeeded(exported(source, {"--method", method, "--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}));
     EXPECT_CONTAINS(read_text(in("f.json")), "\"gains\":");
-    ASSERT_EQ(palpa_here({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}).exit_code, 0);
+    succeeded(palpa_here({"export", "--played", in("f.json"), "--drives", in("again.bin"), "--quiet"}));
     EXPECT_TRUE(read_text(in("d.bin")) == read_text(in("again.bin"))) << method;
   }
 }

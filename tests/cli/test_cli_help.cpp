@@ -26,8 +26,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 std::string page(const std::vector<std::string>& line) {
-  const Result result = palpa_here(line);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(line));
   EXPECT_EQ(result.err, "");
   EXPECT_TRUE(result.out.ends_with('\n') && !result.out.ends_with("\n\n")) << result.out;
   EXPECT_EQ(result.out.find("\n\n\n"), std::string::npos) << result.out;
@@ -96,8 +95,7 @@ TEST(Help, ComesInTwoLengths) {
 
 TEST(Help, IsAlsoCompletionForShells) {
   for (const char* shell : {"bash", "zsh", "fish"}) {
-    const Result result = palpa_here({"help", shell});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here({"help", shell}));
     EXPECT_EQ(result.err, "");
     for (const std::string& command : every_command()) {
       EXPECT_NE(result.out.find(words_of(command).back()), std::string::npos) << shell << " " << command;

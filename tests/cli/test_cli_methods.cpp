@@ -106,8 +106,7 @@ TEST(CliMethods, ARunSaysWhatItsStridesFollow) {
     const std::vector<std::string> line{
         "run",     "--scene", asset_file("cube.glb"), "--backend", "cpu", "--frames", "2", "--layout", "openmpd",
         "--stats", "json"};
-    const Result result = palpa_here(with(with(line, small_frames()), more));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(with(with(line, small_frames()), more)));
     return json::parse(result.out).value("tune", json());
   };
   const json spots{{"field", "spot"}, {"fields", 0}};
@@ -145,11 +144,10 @@ TEST(CliMethods, TuningSaysWhatItChoseAndGivesTheFingerItsOwnSchedule) {
 std::filesystem::path drives_by(const std::vector<std::string>& options) {
   static const std::filesystem::path folder = scratch_folder("methods");
   const std::filesystem::path file = folder / "drives.bin";
-  const Result result = palpa_here(with(with({"export", "--scene", asset_file("cube.glb"), "--frames", "20",
-                                              "--backend", "cpu", "--drives", file, "--quiet"},
-                                             small_frames()),
-                                        options));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  succeeded(palpa_here(with(with({"export", "--scene", asset_file("cube.glb"), "--frames", "20", "--backend", "cpu",
+                                  "--drives", file, "--quiet"},
+                                 small_frames()),
+                            options)));
   return file;
 }
 

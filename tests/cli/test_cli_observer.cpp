@@ -41,10 +41,9 @@ class CliObserver : public testing::Test {
 };
 
 TEST_F(CliObserver, TimesAndMapOfAfferentsAreOfTheSameSpikes) {
-  const Result result =
+  const Result result = succeeded(
       palpa_here(with(afferents_, {"--penetration", "1mm", "--crest", "200", "--json", "-", "--times",
-                                   path("times.csv"), "--csv", path("sites.csv"), "--png", path("spikes.png")}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+                                   path("times.csv"), "--csv", path("sites.csv"), "--png", path("spikes.png")})));
   const json all = json::parse(result.out);
   EXPECT_EQ(all["spikes"].size(), 40u);
   double in_time = 0, on_map = 0, area = 0;
@@ -67,8 +66,7 @@ TEST_F(CliObserver, TimesAndMapOfAfferentsAreOfTheSameSpikes) {
 
 TEST_F(CliObserver, TheLevelOfAfferentsIsThatOfASingleFocusOnTheCube) {
   const auto run = [&](const std::vector<std::string>& more) {
-    const Result result = palpa_here(with(afferents_, with({"--penetration", "3mm", "--json", "-"}, more)));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(with(afferents_, with({"--penetration", "3mm", "--json", "-"}, more))));
     return json::parse(result.out);
   };
   const json usual = run({}), louder = run({"--crest", "40"}), linear = run({"--linear"});
@@ -82,9 +80,9 @@ TEST_F(CliObserver, TheLevelOfAfferentsIsThatOfASingleFocusOnTheCube) {
 
 TEST_F(CliObserver, PredictsAStudy) {
   const std::vector<std::string> line{"study", "simulate", plan_, "--finger", tip_};
-  const Result result = palpa_here(with(line, {"--json", path("a.json"), "--prediction", path("prediction.json"),
-                                               "--html", path("a.html"), "--csv", path("a.csv")}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result =
+      succeeded(palpa_here(with(line, {"--json", path("a.json"), "--prediction", path("prediction.json"), "--html",
+                                       path("a.html"), "--csv", path("a.csv")})));
   EXPECT_NE(result.out.find("fitted to single-focus 0.600 (18 of 30 trials"), std::string::npos) << result.out;
   const json all = json::parse(read_text(path("a.json")));
   const std::string document = read_text(path("prediction.json"));
@@ -107,9 +105,8 @@ TEST_F(CliObserver, PredictsAStudy) {
   EXPECT_EQ(all["prediction"]["ranking"].size(), 3u);
   // Again, from the cache: the same bytes. People change only what is beside the prediction.
   write_text(path("cross-section.csv"), "actual,one,other\none,9,1\nother,4,6\n");
-  const Result again = palpa_here(with(
-      line, {"--json", path("b.json"), "--prediction", path("again.json"), "--beside", path("cross-section.csv")}));
-  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const Result again = succeeded(palpa_here(with(
+      line, {"--json", path("b.json"), "--prediction", path("again.json"), "--beside", path("cross-section.csv")})));
   EXPECT_EQ(read_text(path("again.json")), document);
   const json with_people = json::parse(read_text(path("b.json")));
   EXPECT_EQ(with_people["prediction"], all["prediction"]);

@@ -149,10 +149,9 @@ struct Played {
 Played play(const std::string& scene, const std::string& take, const std::vector<std::string>& more) {
   const auto folder = scratch_folder("pressure-played");
   const std::string foci = folder / "foci.json", drives = folder / "drives.bin";
-  const Result result = palpa_here(with({"export", "--scene", scene, "--source", take, "--foci", foci, "--drives",
-                                         drives, "--json", folder / "stats.json"},
-                                        more));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(with({"export", "--scene", scene, "--source", take, "--foci", foci,
+                                                   "--drives", drives, "--json", folder / "stats.json"},
+                                                  more)));
   Played played{.fingers = {},
                 .stats = json::parse(read_text(folder / "stats.json")),
                 .drives = drives,
@@ -224,9 +223,9 @@ TEST_P(PressureOn, TwoFingersEachHaveWhatOneAloneHas) {
 }
 
 TEST(CliPressure, ARunTellsWhatItsFingersHave) {
-  const Result result = palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film_of_two(), "--every-frame",
-                                    "--backend", "cpu", "--pressure", "8kPa", "--json", "-"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result =
+      succeeded(palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film_of_two(), "--every-frame",
+                            "--backend", "cpu", "--pressure", "8kPa", "--json", "-"}));
   const json fingers = json::parse(result.out)["fingers"];
   ASSERT_EQ(fingers.size(), 2u);
   EXPECT_EQ(fingers[0]["solid"], "left");
@@ -254,10 +253,8 @@ TEST(CliPressure, AnUnreachableOneLowersNobodyElse) {
 TEST(CliNulls, OfFramesLieInTheWorld) {
   const array::Layout layout = posed("openmpd");
   const std::string drives = scratch_folder("nulls-run") / "drives.bin";
-  const Result result =
-      palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}), "--every-frame", "--backend",
-                  "cpu", "--layout", "openmpd", "--null", "30mm,10mm,0", "--link", "record:" + drives});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  succeeded(palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}), "--every-frame", "--backend",
+                        "cpu", "--layout", "openmpd", "--null", "30mm,10mm,0", "--link", "record:" + drives}));
   for (const auto& [slot, drive] : sounding(drives)) {
     // Near the tip it sounds a thousand times louder.
     EXPECT_LT(1e3 * pressure_of(layout, drive, {0.03, 0.01, 0}), pressure_of(layout, drive, left_tip)) << slot;
@@ -267,9 +264,9 @@ TEST(CliNulls, OfFramesLieInTheWorld) {
 // Foci are known only while it runs: it warns of them as `palpa drive` does.
 TEST(CliNulls, OfARunAreDoubtedAsThoseOfADrive) {
   const auto warnings = [&](const std::string& null) {
-    const Result result = palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}),
-                                      "--every-frame", "--backend", "cpu", "--layout", "openmpd", "--null", null});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result =
+        succeeded(palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}), "--every-frame",
+                              "--backend", "cpu", "--layout", "openmpd", "--null", null}));
     return result.err;
   };
   EXPECT_EQ(warnings("30mm,10mm,0").find("--null"), std::string::npos);
@@ -298,9 +295,8 @@ TEST_P(PressureOn, ADriveOfATouchHasWhatItsFingersAsked) {
     return touch["fingers"];
   };
   const auto heard = [&](const std::vector<std::string>& more) {
-    const Result result = palpa_here(
-        with({"drive", "--layout", "openmpd", "--touch", file, "--backend", GetParam(), "--json", "-"}, more));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(
+        with({"drive", "--layout", "openmpd", "--touch", file, "--backend", GetParam(), "--json", "-"}, more)));
     return json::parse(result.out)["pressures_pa"].get<std::vector<double>>();
   };
   json fingers = touch_of({});
@@ -345,8 +341,7 @@ TEST(CliPressure, AboveTenKilopascalsLinearAcousticsEnds) {
       {with(drive, {"paper", "--pressure", "9kPa"}), false},
       {with(drive, {"paper", "--pressure", "11kPa"}), true}};
   for (const auto& [line, beyond] : lines) {
-    const Result result = palpa_here(line);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(line));
     EXPECT_EQ(result.out.find("above 10 kPa, linear acoustics no longer holds") != std::string::npos, beyond)
         << result.out;
   }
@@ -422,23 +417,10 @@ TEST_F(CliHaptics, ClicksAndTexturesThatAreNotFeltAsIntendedAreWarnedOf) {
             {quiet, {"--dwell", "2.49ms"}, "drives of 2.49 ms are too long for them: give a dwell of at most 2 ms"},
             {rough, {"--dwell", "4ms"}, ""}};
   for (const auto& [knob, options, told] : cases) {
-    const Result result = palpa_here(with(touch_with(knob), options));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(with(touch_with(knob), options)));
     EXPECT_EQ(result.err.find("knob") == std::string::npos, told.empty()) << result.err;
     EXPECT_CONTAINS(result.err, told);
   }
-}
-
-TEST_F(CliHaptics, AStrideThatLeavesFociOutIsNamedWithOneThatWouldDo) {
-  geometry::Haptics nine;
-  nine.foci = 9;
-  const std::vector<std::string> touch = touch_with(nine);
-  const std::string fault = "node 'knob': stride 3 and 9 foci share the divisor 3";
-  const std::vector<std::string> stride{"--stride", "3"};
-  expect_failure(palpa_here(with(touch, stride)), 4, fault);
-  expect_failure(palpa_here(with({"run", "--scene", scene_, "--frames", "3"}, stride)), 4, fault);
-  EXPECT_EQ(palpa_here(with(touch, {"--stride", "7"})).exit_code, 0);
-  EXPECT_EQ(report_of(touch)["fingers"][1]["schedule"]["order"], (json{0, 2, 4, 6, 8, 1, 3, 5, 7}));
 }
 
 }  // namespace

@@ -72,8 +72,7 @@ struct Scattered {
 
 Scattered scatter(const std::string& mesh, const std::vector<std::string>& sound) {
   const std::string csv = folder() / "out.csv", file = folder() / "out.json";
-  const Result result = palpa_here(with(scatter_line(mesh, sound), {"--csv", csv, "--json", file}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(with(scatter_line(mesh, sound), {"--csv", csv, "--json", file})));
   EXPECT_TRUE(read_text(csv).starts_with("face,x,y,z,re,im\n")) << read_text(csv).substr(0, 80);
   return {read_csv(csv), json::parse(read_text(file)), result.out, result.err};
 }

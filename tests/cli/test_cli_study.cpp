@@ -35,6 +35,13 @@ constexpr const char* single =
 class CliStudy : public testing::Test {
  protected:
   const std::filesystem::path folder_ = scratch_folder("study");
+  /// All tests share what palpa keeps of the fingers' sound.
+  const OwnCache cache_{kept()};
+
+  static const std::filesystem::path& kept() {
+    static const std::filesystem::path folder = scratch_folder("study-cache");
+    return folder;
+  }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   /// A plan of two shapes and a method, plan.toml; `rest` is the end of the method and what follows.
@@ -103,9 +110,8 @@ TEST_F(CliStudy, WarningsInReportsNameFilesWithoutTheFoldersOfThisComputer) {
 TEST_F(CliStudy, ComparesAnythingWithAnything) {
   write_text(folder_ / "single.csv", single);
   write_ten(folder_ / "mine");
-  ASSERT_EQ(palpa_here({"study", "analyse", path("mine"), "--json", path("mine.json"), "--quiet"}).exit_code, 0);
-  ASSERT_EQ(palpa_here({"study", "analyse", path("single.csv"), "--json", path("single.json"), "--quiet"}).exit_code,
-            0);
+  succeeded(palpa_here({"study", "analyse", path("mine"), "--json", path("mine.json"), "--quiet"}));
+  succeeded(palpa_here({"study", "analyse", path("single.csv"), "--json", path("single.json"), "--quiet"}));
   const json counts = report_of({"study", "compare", path("single.csv"), path("single.json")});
   EXPECT_EQ(counts["tables"][1]["counts"], counts["tables"][0]["counts"]);
   const json result = report_of({"study", "compare", "paper", path("single.csv"), path("mine"), path("mine.json")});
@@ -151,7 +157,6 @@ TEST_F(CliStudy, ReportsReplaceNoFileOfAParticipant) {
 
 TEST_F(CliStudy, ListsAParticipantsSteps) {
   const std::string paper = source_file("assets/studies/paper.toml");
-  const OwnCache cache(folder_ / "cache");
   const json first = report_of({"study", "plan", paper, "--csv", path("order.csv")}),
              sixth = report_of({"study", "plan", paper, "--participant", "6"});
   EXPECT_EQ(first["steps"].size(), 92u);
@@ -227,7 +232,6 @@ TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
 
 /// The least depths of a spring may be silent, but not all of them.
 TEST_F(CliStudy, ASpringThatIsSilentAtEveryDepthOfThePlanIsRefused) {
-  const OwnCache cache(folder_ / "cache");
   write_tetrahedron(folder_ / "corners.bin");
   write_scene(folder_ / "plain.gltf", "corners.bin");
   const auto write_spring = [&](const std::string& rows) {
@@ -252,7 +256,6 @@ TEST_F(CliStudy, ASpringThatIsSilentAtEveryDepthOfThePlanIsRefused) {
 
 /// The level at which a force is reached does not depend on the ceiling of the plan, nor on steps of amplitudes there.
 TEST_F(CliStudy, ThePapersForceHasTheSameLevelAtEveryCeiling) {
-  const OwnCache cache(folder_ / "cache");
   std::vector<std::string> told;
   for (const char* ceiling : {"0.03", "0.04", "0.5"}) {
     write_plan("palpa:semi-sphere.glb", std::string("layout = \"openmpd\"\n[level]\nceiling = ") + ceiling + "\n");
@@ -284,8 +287,7 @@ TEST_F(CliStudy, APlansFilesAreRead) {
     }
     EXPECT_FALSE(std::filesystem::exists(path("out"))) << "nothing was begun";
     write_plan("palpa:semi-sphere.glb", "[run]\nmasking = \"sound.wav\"\n");
-    const Result result = palpa_here(line);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa_here(line));
   }
 }
 
@@ -311,8 +313,7 @@ TEST_F(CliStudy, RehearsesAndWithdraws) {
   EXPECT_EQ(result["ended"], true);
   EXPECT_EQ(result["complete"], 4 + 1 + 2 * (1 + 12));
   EXPECT_EQ(report_of(line)["starts"], 1) << "what has finished is only reported again";
-  const Result analysis = palpa_here({"study", "analyse", out, "--json", path("a.json")});
-  EXPECT_EQ(analysis.exit_code, 0) << analysis.err;
+  const Result analysis = succeeded(palpa_here({"study", "analyse", out, "--json", path("a.json")}));
   EXPECT_NE(analysis.err.find("is a rehearsal"), std::string::npos) << analysis.err;
   EXPECT_EQ(json::parse(read_text(path("a.json")))["methods"][0]["mean_accuracy"], 1.0);
   // No log has the name of the user or the host.
@@ -356,9 +357,8 @@ TEST_F(CliStudy, KilledAtRandomInstantsNoTrialIsLostOrDoubled) {
     killed += run.wait(60).by_signal == SIGKILL ? 1 : 0;
   }
   EXPECT_GT(killed, 0u);
-  const Result end = palpa_here({"study", "rehearse", source_file("assets/studies/paper.toml"), "--participant", "3",
-                                 "--out", out, "--json", "-"});
-  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const Result end = succeeded(palpa_here({"study", "rehearse", source_file("assets/studies/paper.toml"),
+                                           "--participant", "3", "--out", out, "--json", "-"}));
   const json result = json::parse(end.out);
   EXPECT_EQ(result["complete"], 92);
   EXPECT_LE(result["void"].get<std::uint32_t>(), killed);

@@ -34,10 +34,9 @@ class Surroundings : public testing::Test {
 
   /// An export's JSON; `err` gets what it wrote on stderr.
   json exported(const std::vector<std::string>& words, std::string* err = nullptr, int frames = 5) const {
-    const Result result = palpa_here(with({"export", "--backend", "cpu", "--frames", std::to_string(frames), "--events",
-                                           in("all.jsonl"), "--json", in("all.json")},
-                                          words));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(with({"export", "--backend", "cpu", "--frames", std::to_string(frames),
+                                                     "--events", in("all.jsonl"), "--json", in("all.json")},
+                                                    words)));
     if (err) *err = result.err;
     return json::parse(read_text(in("all.json")));
   }
@@ -103,9 +102,8 @@ TEST_F(Surroundings, ABackgroundThatWasLearnedIsNoSkin) {
   const geometry::Mesh stick = box({-0.006, -0.02, -0.006}, {0.006, 0.03, 0.006});  // it stands in the cube
   geometry::write_ply(in("stick.ply"), stick.positions, stick.triangles);
   const Result learned =
-      palpa_here({"calibrate", "--background", "--rig", rig, "--source", "synthetic:" + in("stick.ply"), "--frames",
-                  "20", "--out", in("quiet.toml"), "--json", in("learned.json")});
-  ASSERT_EQ(learned.exit_code, 0) << learned.err;
+      succeeded(palpa_here({"calibrate", "--background", "--rig", rig, "--source", "synthetic:" + in("stick.ply"),
+                            "--frames", "20", "--out", in("quiet.toml"), "--json", in("learned.json")}));
   EXPECT_EQ(learned.err, "");
   const json said = json::parse(read_text(in("learned.json")));
   EXPECT_EQ(said["frames"], 20);

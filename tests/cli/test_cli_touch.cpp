@@ -114,8 +114,7 @@ TEST_P(Touch, TheSameBytesOnEveryRunAndUnderEverySettingOfTheDriver) {
                                      {{"LVP_POISON_MEMORY", "1"}}});
   for (const Environment& environment : settings) {
     SCOPED_TRACE(testing::PrintToString(environment));
-    const Result result = palpa(cube_touch({"--json", "-"}, GetParam()), {.environment = environment});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa(cube_touch({"--json", "-"}, GetParam()), {.environment = environment}));
     EXPECT_EQ(read_touch(result.out).without_times, usual);
   }
 }
@@ -132,8 +131,7 @@ TEST(TouchOnHost, WarnsOfMoreThan64Fingers) {
 }
 
 TEST(TouchSummary, SpeaksToPeople) {
-  const Result result = palpa_here(cube_touch());
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(cube_touch()));
   EXPECT_EQ(result.err, "");
   EXPECT_CONTAINS(result.out, "2163");
   EXPECT_CONTAINS(result.out, "1 finger");
@@ -142,8 +140,7 @@ TEST(TouchSummary, SpeaksToPeople) {
 
 TEST(TouchSummary, SaysHowFarSkinIsFromTouchingAndNoOrder) {
   const auto summary = [&](const std::vector<Vec3>& points) {
-    const Result result = palpa_here(touch_of(points));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_here(touch_of(points)));
     EXPECT_CONTAINS(result.out, "0 fingers");
     EXPECT_EQ(result.out.find("order"), std::string::npos) << result.out;
     return result.out;
@@ -167,8 +164,7 @@ TEST(TouchLine, IsWarnedOfWhatIsHardlyMeant) {
   std::vector<std::string> line = touch_of(finger);
   line[2] = scratch_folder("millimetres") / "cube.glb";
   geometry::write_glb(line[2], std::vector<geometry::SceneMesh>{{"cube", box({-20, -40, -20}, {20, 0, 20})}});
-  const Result result = palpa_here(line);
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(line));
   EXPECT_CONTAINS(result.err,
                   "points.ply: its skin measures 50 m (coordinates are metres); if they are millimetres, it "
                   "measures 50 mm: multiply them by 0.001");
@@ -179,8 +175,7 @@ TEST(TouchLine, IsWarnedOfWhatIsHardlyMeant) {
 
 /// With --audible, foci are played as a run on the layout's own boards plays them.
 json audible_touch(const std::vector<std::string>& more, const std::string& told = "") {
-  const Result result = palpa_here(with(cube_touch({"--audible", "--json", "-"}), more));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(with(cube_touch({"--audible", "--json", "-"}), more)));
   if (told.empty()) {
     EXPECT_EQ(result.err, "");
   } else {

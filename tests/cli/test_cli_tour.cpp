@@ -69,9 +69,7 @@ TEST_F(CliTour, EveryLineRunsOrSaysWhatItNeeds) {
     if (line.starts("palpa-viewer")) {
       if (!has_viewer()) continue;
       // As the README says, where there is no display.
-      const Result result =
-          run("env -u DISPLAY -u WAYLAND_DISPLAY " + line.command + " --headless --screenshot touch.png");
-      EXPECT_EQ(result.exit_code, 0) << result.err;
+      succeeded(run("env -u DISPLAY -u WAYLAND_DISPLAY " + line.command + " --headless --screenshot touch.png"));
       EXPECT_TRUE(fs::exists(folder_ / "touch.png"));
     } else if (line.says("# needs ")) {
       // Without what it needs, the error is about that, and not about the line.
@@ -101,8 +99,7 @@ TEST_F(CliTour, EveryLineRunsOrSaysWhatItNeeds) {
         EXPECT_EQ(terminal->text().find("palpa: error"), std::string::npos) << terminal->text();
       }
     } else {
-      const Result result = run(line.command);
-      EXPECT_EQ(result.exit_code, 0) << result.err;
+      const Result result = succeeded(run(line.command));
       EXPECT_NE(result.out, "");
       EXPECT_EQ(result.err.find("palpa: error"), std::string::npos) << result.err;
     }
@@ -118,15 +115,13 @@ TEST_F(CliTour, EveryLineRunsOrSaysWhatItNeeds) {
 }
 
 TEST_F(CliTour, TheDepthImageAndTheRecordingShowATouch) {
-  const Result touch =
+  const Result touch = succeeded(
       palpa({"touch", "--scene", source_file("assets/cube.glb"), "--depth", source_file("assets/depth/hand.png"),
-             "--camera", source_file("assets/depth/camera.toml"), "--backend", "cpu"});
-  EXPECT_EQ(touch.exit_code, 0) << touch.err;
+             "--camera", source_file("assets/depth/camera.toml"), "--backend", "cpu"}));
   EXPECT_NE(touch.out.find(" contacts, 1 finger ("), std::string::npos) << touch.out;
   const Result run =
-      palpa({"run", "--scene", source_file("assets/cube.glb"), "--source",
-             "recording:" + source_file("assets/depth/take").string(), "--every-frame", "--backend", "cpu"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
+      succeeded(palpa({"run", "--scene", source_file("assets/cube.glb"), "--source",
+                       "recording:" + source_file("assets/depth/take").string(), "--every-frame", "--backend", "cpu"}));
   EXPECT_TRUE(run.out.starts_with("12 frames, 8 with a touch")) << run.out;
 }
 

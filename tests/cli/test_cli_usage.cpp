@@ -69,18 +69,10 @@ TEST(Usage, ABadValueNamesOptionValueAndRemedy) {
   for (const auto& [option, value, remedy] : std::vector<Bad>{{"--backend", "tpu", "gpu|cpu"},
                                                               {"--log-level", "loud", "quiet|error|warning|info|debug"},
                                                               {"--validation", "all", "off|core|sync|gpu-assisted"},
-                                                              {"--seed", "-1", "whole number"},
                                                               {"--seed", "1.5", "whole number"},
-                                                              {"--seed", "18446744073709551616", "whole number"},
-                                                              {"--temperature", "-60.1", "from -60 to 100"},
-                                                              {"--temperature", "100.1", "from -60 to 100"},
                                                               {"--temperature", "warm", "number"},
-                                                              {"--sound-speed", "99", "from 100m/s to 2000m/s"},
-                                                              {"--sound-speed", "2001", "from 100m/s to 2000m/s"},
                                                               {"--sound-speed", "343km", "343m/s"},
                                                               {"--sound-speed", std::string(100000, '3'), "a speed"},
-                                                              {"--frequency", "999Hz", "from 1kHz to 10000kHz"},
-                                                              {"--frequency", "10.1MHz", "from 1kHz to 10000kHz"},
                                                               {"--amplitude", "loud", "distance|uniform"},
                                                               {"--solver", "best", "naive"},
                                                               {"--constraint", "none", "normalise|uniform|clamp"},
@@ -146,17 +138,15 @@ TEST(Usage, NoUsableDeviceIsExitCode3) {
        "VK_DRIVER_FILES is set, but empty, and so names no driver: unset it"}};
   for (const auto& [environment, told] : settings)
     expect_failure(palpa(any_drive, {.environment = environment}), 3, told);
-  const Result cpu = palpa(with(drive, {"--quiet"}), {.environment = settings[0].first});
-  EXPECT_EQ(cpu.exit_code, 0) << cpu.err;
+  succeeded(palpa(with(drive, {"--quiet"}), {.environment = settings[0].first}));
 }
 
 TEST(Usage, TheEnvironmentChoosesTheBackendAndTheValidation) {
   const std::vector<std::string> touch{
       "touch", "--scene", source_file("assets/cube.glb"), "--points", source_file("assets/finger.ply"), "--json", "-"};
   for (const auto& [backend, why] : {std::pair("cpu", "PALPA_BACKEND is cpu"), std::pair("", "there is no GPU")}) {
-    const Result result =
-        palpa(touch, {.environment = {{"PALPA_BACKEND", backend}, {"VK_DRIVER_FILES", "/nonexistent.json"}}});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(
+        palpa(touch, {.environment = {{"PALPA_BACKEND", backend}, {"VK_DRIVER_FILES", "/nonexistent.json"}}}));
     EXPECT_CONTAINS(result.out, R"("backend": "cpu",)");
     EXPECT_CONTAINS(result.out, "\"backend_why\": \"" + std::string(why) + "\",");
   }

@@ -20,6 +20,12 @@ class KeptNotes : public driver::BoardNotes {
   std::vector<std::string> warnings, infos, waits_for;
 };
 
+/// A rig whose board or link is open.
+template <typename Rig>
+struct Opened : Rig {
+  Opened() { Rig::open(); }
+};
+
 /// Waits like begins(). The lock is held while it is asked.
 inline bool becomes(std::mutex& lock, const std::function<bool()>& wanted) {
   return begins([&] {

@@ -8,7 +8,6 @@
 #include "geometry/gltf_builder.hpp"
 #include "geometry/solid.hpp"
 #include "support/files.hpp"
-#include "support/no_file.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -39,10 +38,6 @@ std::string fault_of_bytes(const std::vector<unsigned char>& bytes) {
 }
 
 const Mesh cube = box(Vec3(0), Vec3(1));
-
-TEST(BadGltf, RefusesWhatIsNoFile) {
-  test::expect_refuses_what_is_no_file(fault_of_file, ".glb");
-}
 
 TEST(BadGltf, TenGigabytesOfZeros) {
   const auto file = folder() / "zeros.glb";

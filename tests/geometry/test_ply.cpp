@@ -15,7 +15,6 @@
 #include "geometry/gltf_builder.hpp"
 #include "geometry/memory_file.hpp"
 #include "support/captured.hpp"
-#include "support/no_file.hpp"
 #include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -214,10 +213,6 @@ TEST(Ply, ElementsInAnyOrder) {
   ASSERT_EQ(ply.positions.size(), 3U);
   EXPECT_EQ(ply.positions[2], Vec3(6, 7, 8));
   EXPECT_EQ(ply.triangles.at(0), glm::uvec3(2, 1, 0));
-}
-
-TEST(PlyFaults, RefusesWhatIsNoFile) {
-  test::expect_refuses_what_is_no_file(fault_of_file, ".ply");
 }
 
 TEST(PlyFaults, TenGigabytes) {

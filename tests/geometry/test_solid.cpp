@@ -90,16 +90,6 @@ TEST(Solid, MergesCoplanarTrianglesOfFinelyDividedFaces) {
   }
 }
 
-TEST(Solid, TurnsAMeshThatIsInsideOutAndSaysSo) {
-  Mesh cube = box(Vec3(0), Vec3(1));
-  flip(cube);
-  std::vector<Solid> solids;
-  const std::string warning = test::stderr_of([&] { solids = solids_of({cube}); });
-  EXPECT_CONTAINS(warning, "inside out");
-  EXPECT_NEAR(signed_volume(solids[0].mesh), 1, 1e-12);
-  EXPECT_NEAR(depth(solids[0], Vec3(0.5)), 0.5, 1e-12);
-}
-
 TEST(Solid, OpenMeshesThatCloseTogetherAreOneSolid) {
   // Two boxes, each split over two nodes, interleaved, and one whole one.
   std::vector<Mesh> pieces;
@@ -154,24 +144,6 @@ TEST(Solid, MeshesThatAreNoSolidAreRefusedWithTheirFault) {
     EXPECT_CONTAINS(solid_fault_of({mesh}), message);
   // A sheet of paper is accepted as a solid.
   EXPECT_EQ(solids_of({box(Vec3(0), Vec3(0.2, 0.3, 1e-4))})[0].planes.size(), 6U);
-}
-
-TEST(Solid, MayHaveSeveralShells) {
-  Mesh mesh = box(Vec3(0), Vec3(1));
-  append(mesh, box(Vec3(2), Vec3(3)));
-  const Solid two = solids_of({mesh})[0];
-  EXPECT_NEAR(depth(two, Vec3(0.5)), 0.5, 1e-12);
-  EXPECT_NEAR(depth(two, Vec3(1.5)), -std::sqrt(0.75), 1e-12);
-  EXPECT_NEAR(depth(two, Vec3(2.5)), 0.5, 1e-12);
-  // A void inside is a shell that faces inwards.
-  Mesh hollow = box(Vec3(0), Vec3(3)), inner = box(Vec3(1), Vec3(2));
-  flip(inner);
-  append(hollow, inner);
-  const Solid shell = solids_of({hollow})[0];
-  EXPECT_NEAR(signed_volume(shell.mesh), 26, 1e-12);
-  EXPECT_NEAR(depth(shell, Vec3(0.5)), 0.5, 1e-12);
-  EXPECT_NEAR(depth(shell, Vec3(1.5)), -0.5, 1e-12);
-  EXPECT_TRUE(shell.planes.empty());
 }
 
 TEST(Convexity, NamesTheReflexEdgeAndItsAngle) {

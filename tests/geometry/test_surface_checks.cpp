@@ -174,6 +174,8 @@ TEST(SurfaceChecks, TurnOnlyWhatIsInsideOut) {
   EXPECT_CONTAINS(warning, "inside out in 2 of its 3 shells");
   EXPECT_NEAR(signed_volume(solids[0].mesh), 1 + 8 - 0.125, 1e-12);
   EXPECT_LT(depth(solids[0], Vec3(3.75)), 0);
+  EXPECT_NEAR(depth(solids[0], Vec3(2)), -std::sqrt(3.0), 1e-12) << "between its bodies";
+  EXPECT_TRUE(solids[0].planes.empty()) << "of several shells, none is convex";
   EXPECT_GT(depth(solids[0], Vec3(3.25)), 0);
 }
 

@@ -44,25 +44,8 @@ touch_s = 0.05
 masking = "off"
 [level]
 limit_db = 140
-[[block]]
-kind = "familiarise"
-[[block]]
-kind = "free"
-touch_s = 0.1
-[[block]]
-kind = "practice"
-shapes = ["cube"]
-feedback = true
-[[block]]
-kind = "trial"
-[[block]]
-kind = "practice"
-repeats = 2
-[[block]]
-kind = "rest"
-rest_s = 0.05
-once = true
 """
+BLOCKS = ROOT / "tests/support/study_blocks.toml"
 
 
 def lowered_finger(by_m):
@@ -86,7 +69,7 @@ class KilledStudies(Marked):
         self.participant, self.kills, self.startup_s, self.line = 0, {"palpa": 0, "viewer": 0, "guard": 0}, 1.0, []
         folder.mkdir()
         self.plan, self.study = folder / "plan.toml", folder / "study"
-        self.plan.write_text(PLAN.format(assets=ROOT / "assets", trials=trials))
+        self.plan.write_text(PLAN.format(assets=ROOT / "assets", trials=trials) + BLOCKS.read_text())
         (folder / "pressed.ply").write_bytes(lowered_finger(6e-3))
 
     def available(self):

@@ -1,10 +1,13 @@
 """Tests of the Python module. They run in the source tree, where assets/ is."""
 import os
 import pathlib
+import signal
 
 import pytest
 
 os.environ["PALPA_BACKEND"] = "gpu"  # as in the tests of C++
+# A shell starts what runs in the background without Ctrl-C, and programs that tests start inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 

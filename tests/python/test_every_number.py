@@ -16,6 +16,7 @@ import pytest
 
 import palpa
 from commands import ROOT, drives_in, run
+from numbers_said import check_text, rows_of
 
 pytestmark = pytest.mark.times  # other tests run the same code under a sanitizer
 
@@ -83,10 +84,6 @@ def absorption(celsius, percent, pascals, hertz):
 def near(value, wanted, rel=1e-4, least=0):
     """Lists, too."""
     np.testing.assert_allclose(value, wanted, rtol=rel, atol=least)
-
-
-def rows_of(file):
-    return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file.read_text().splitlines())]
 
 
 # ---- checks: of a JSON, and the folder of files beside it -----------------------------------------------------------
@@ -380,7 +377,9 @@ def inputs(tmp_path_factory, sphere):
 def test_a_number_has_a_check(line, inputs):
     out = inputs / line.replace(" ", "_")
     out.mkdir()
-    told = json.loads(run([word.replace("OUT/", f"{out}/").replace("IN/", f"{inputs}/") for word in shlex.split(LINES[line])] + ["--json", "-"]))
+    text = run([word.replace("OUT/", f"{out}/").replace("IN/", f"{inputs}/") for word in shlex.split(LINES[line])] + ["--json", str(out / "told.json")])
+    told = json.loads((out / "told.json").read_text())
+    check_text(line, told, text, out)
     numbers, checks = numbers_in(told), NUMBERS[line]
     listed = [name for names in [*checks.values(), *NUMBERS[line.partition(" --")[0]].values()] for name in names.split()] + sorted(MEASURED)
     assert [number for number in numbers if not has(listed, number)] == [], "a new number needs a check"
@@ -396,6 +395,25 @@ def test_a_number_has_a_check(line, inputs):
             except (AssertionError, IndexError, ValueError):
                 continue
             raise AssertionError(f"the check of {number} does not see a wrong one")
+
+
+def test_the_numbers_of_a_plan(tmp_path):
+    """They stand in text only."""
+    plan = "assets/studies/five-minutes.toml"
+    text = run(["study", "plan", plan, "--csv", str(tmp_path / "order.csv")])
+    steps = list(csv.DictReader((tmp_path / "order.csv").read_text().splitlines()))
+    level = json.loads(run(["study", "level", plan, "--json", "-"]))
+    blocks = [(int(times), float(each)) for times, each in re.findall(r"(\d+) x (\d+) s", text)]
+    assert re.search(r"participant 1: (\d+) steps, (\d+) min of touch", text).groups() == (str(len(steps)), f"{sum(times * each for times, each in blocks) / 60:.0f}")
+    assert sum(times for times, _ in blocks) == len(steps)
+    found = re.search(r"at the ceiling (\S+): (\S+) dB predicted at the louder ear \(limit (\S+) dB\), a force of (\S+) mN", text)
+    ceiling, heard, limit, force = map(float, found.groups())
+    assert (ceiling, limit) == (level["ceiling"], level["limit_db"]) and heard == pytest.approx(level["level_db"], abs=0.06)
+    wanted, needed, loud = map(float, re.search(r"the paper's force, (\S+) mN, needs a ceiling of about (\S+), (\S+) dB", text).groups())
+    assert wanted == 16 and needed == pytest.approx(ceiling * math.sqrt(wanted / force), rel=0.02) and loud == pytest.approx(heard + 20 * math.log10(needed / ceiling), abs=0.6)
+    (tmp_path / "plan.toml").write_text((ROOT / plan).read_text().replace("ceiling = 0.04", "ceiling = 0.12").replace("limit_db = 110", "limit_db = 150"))
+    louder = float(re.search(r"a force of (\S+) mN", run(["study", "plan", str(tmp_path / "plan.toml")]))[1])
+    assert louder == pytest.approx(9 * force, rel=0.07)  # both have two digits
 
 
 def test_the_line_of_foci_has_the_pressure_under_the_ceiling(inputs):

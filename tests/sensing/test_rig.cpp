@@ -1,7 +1,6 @@
 #include "sensing/rig.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <chrono>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "sensing/rig_toml.hpp"
 #include "support/bits.hpp"
 #include "support/captured.hpp"
+#include "support/damaged_text.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -345,36 +345,11 @@ TEST(Rig, ReadsTheRoom) {
   EXPECT_REFUSED(load_text(camera_text + "[room]\nsize = 3\n"), "low_m");
 }
 
-TEST(Rig, HostileFilesAreRefusedAtOnce) {
-  const auto began = std::chrono::steady_clock::now();
-  const std::filesystem::path folder = test::scratch_folder("rig-hostile");
-  EXPECT_REFUSED(load_rig(folder / "none.toml"), "none.toml: no such file");
-  EXPECT_REFUSED(load_rig(folder), "is a folder");
-  EXPECT_REFUSED(load_rig("/dev/zero"), "not a regular file");
-  const auto fifo = folder / "fifo";
-  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  EXPECT_REFUSED(load_rig(fifo), "not a regular file");
-  write_text((folder / "zeros.toml").string(), "");
-  std::filesystem::resize_file(folder / "zeros.toml", 10'000'000'000u);
-  EXPECT_REFUSED(load_rig(folder / "zeros.toml"), "10000000000 bytes");
-  const auto big = (folder / "big.toml").string();
-  for (const std::string& text : {std::string(1 << 20, '\0'), std::string(1 << 20, '['), std::string(1 << 20, '{'),
-                                  std::string(1 << 20, 'a'), "a" + std::string(1 << 19, '.') + "b = 1",
-                                  [] {
-                                    std::string dots = "a";
-                                    for (int i = 0; i < 400'000; ++i)
-                                      dots += ".a";
-                                    return dots + " = 1";
-                                  }(),
-                                  "x = " + std::string(500'000, '[') + std::string(500'000, ']')}) {
-    write_text(big, text);
-    EXPECT_REFUSED(load_rig(big), "big.toml: ");
-  }
+TEST(Rig, HasAtMost64Cameras) {
   std::string many;
   for (int i = 0; i < 65; ++i)
     many += with("width", "width = 64");
   EXPECT_REFUSED(load_text(many), "more than 64 cameras");
-  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(60));
 }
 
 TEST(Rig, MutatedFilesLoadOrAreRefused) {
@@ -382,31 +357,9 @@ TEST(Rig, MutatedFilesLoadOrAreRefused) {
   const std::string good = test::read_text(test::source_file("assets/rigs/paper.toml"));
   ASSERT_FALSE(good.empty());
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(4);
-  const std::string alphabet = "[]{}=.,\"'\n#-+e0123456789nif\\\t \xff" + std::string(1, '\0');
   int loaded = 0, refused = 0;
   for (int i = 0; i < 4000 && std::chrono::steady_clock::now() < end; ++i) {
-    std::string text = good;
-    for (std::uint32_t edits = test::uniform(random, 1, 4); edits > 0; --edits) {
-      const std::size_t at = test::uniform(random, 0, static_cast<std::uint32_t>(text.size() - 1));
-      switch (test::uniform(random, 0, 4)) {
-        case 0:
-          text[at] = alphabet[random() % alphabet.size()];
-          break;
-        case 1:
-          text.erase(at, test::uniform(random, 1, 40));
-          break;
-        case 2:
-          text.insert(at, 1, alphabet[random() % alphabet.size()]);
-          break;
-        case 3:
-          text.insert(at, text.substr(random() % text.size(), 60));
-          break;
-        default:
-          text.resize(at + 1);
-          break;
-      }
-    }
-    const std::string line = test::error_of([&] { load_text(text); });
+    const std::string line = test::error_of([&] { load_text(test::damaged(good, random)); });
     ++(line.empty() ? loaded : refused);
   }
   // However few a slow machine processed in the time.

@@ -190,26 +190,6 @@ struct Button {
   }
 };
 
-TEST(Button, IsNotClickedByALightTouchAfterAPress) {
-  Button button;
-  button.hold(-0.02, 5);
-  button.hold(0.004, 15);
-  button.hold(-0.02, 9);
-  button.hold(0.0005, 30);
-  EXPECT_EQ(button.presses, 1);
-  EXPECT_EQ(button.clicks, 1);
-}
-
-TEST(Button, ClicksWithEachPress) {
-  Button button;
-  for (int tap = 0; tap < 4; ++tap) {
-    button.hold(-0.02, 7);
-    button.hold(0.004, 15);
-  }
-  EXPECT_EQ(button.presses, 4);
-  EXPECT_EQ(button.clicks, 4);
-}
-
 TEST(Button, DoesNotClickAgainForAHandThatWasLost) {
   for (const int frames : {6, 7, 10, 13}) {
     Button button;

@@ -122,12 +122,10 @@ TEST(PatternFile, RefusesWhatIsNoPattern) {
   refused(point + "radius_m = 0.001", "radius_m goes with amplitude = 0");
   refused(point + "loudness = 1", "loudness");
   refused(point + point, "a second point is at (0, 0, 0.15) m");
-  refused("[[point]]\nposition_m = [0, 0, 101]", "the limit is 100 m");
   refused("[[point]]\nposition_m = [0, 0]", "position_m");
   refused("[[curve]]\ncorners_m = [0, 0, 0.1]\npoints = 4", "2 to 4096 corners");
   refused("[[curve]]\ncorners_m = [0,0,0.1, 0,0,0.1]\npoints = 4", "all corners at one place");
   refused("[[curve]]\ncorners_m = [0,0,0.1, 0.1,0,0.1]\npoints = 10000", "points");
-  refused("[[curve]]\ncorners_m = [0,0,0.1, 0.1,0,0.1]\npoints = 65", "at most 64 points that sound");
   const std::string plane = "[[plane]]\ncentre_m = [0,0,0.1]\nright_m = [0.01,0,0]\nup_m = [0,0.01,0]\n";
   refused(plane + "rows = []", "rows is empty");
   refused(plane + "rows = ['##', '#']", "different lengths");
@@ -138,8 +136,6 @@ TEST(PatternFile, RefusesWhatIsNoPattern) {
   refused(many, "at most 64 points that sound and 64 that are silent");
   const std::string weak = "[[point]]\nposition_m = [0.02, 0, 0.15]\namplitude = ";
   refused(point + "amplitude = 1e6\n" + weak + "1e-300\n", "is nothing beside");
-  refused(point + "amplitude = 1\n" + weak + "0.99e-4\n", "is nothing beside");
-  EXPECT_EQ(parse_pattern(point + "amplitude = 1\n" + weak + "1e-4\n", "file").points.size(), 2u);
 }
 
 }  // namespace

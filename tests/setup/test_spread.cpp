@@ -161,19 +161,6 @@ TEST(Spread, OfTheTemperatureIsTheDriveInOtherAir) {
   EXPECT_LT(spread.evenness.p05, spread.evenness.p95);
 }
 
-/// One draw more leaves the others as they are, and the seed decides them all.
-TEST(Spread, IsTheSameForTheSameSeed) {
-  const Sounding board("openmpd", {{{0, 0, 0.15}, 1}});
-  const Spread spread{.amplitude = 0.1, .phase_rad = 0.2, .position_m = 5e-4, .temperature = 2};
-  const Percentiles a = board.with(spread).pressures_pa[0], b = board.with(spread).pressures_pa[0],
-                    c = board.with(spread, {400, 2}).pressures_pa[0];
-  EXPECT_EQ(a.p05, b.p05);
-  EXPECT_EQ(a.p95, b.p95);
-  EXPECT_NE(a.p05, c.p05);
-  // 400 draws know their 5th percentile to a twentieth of the range.
-  EXPECT_NEAR(a.p05, c.p05, (a.p95 - a.p05) / 6);
-}
-
 setup::FieldTask field_task() {
   setup::FieldTask task;
   task.layout = "openmpd";

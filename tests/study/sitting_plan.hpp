@@ -7,11 +7,12 @@
 
 #include "study/plan/plan_file.hpp"
 #include "study/sitting/rehearsal.hpp"
+#include "support/study_files.hpp"
 
 namespace palpa::test {
 
 /// Two methods, two shapes, all kinds of blocks; touches of 50 ms.
-inline constexpr const char* small_plan_text = R"(title = "Small"
+inline constexpr const char* small_plan_head = R"(title = "Small"
 [[shape]]
 name = "cube"
 model = "cube.glb"
@@ -26,28 +27,10 @@ name = "cross-section"
 participants = 2
 trials_per_shape = 2
 touch_s = 0.05
-[[block]]
-kind = "familiarise"
-[[block]]
-kind = "free"
-touch_s = 0.1
-[[block]]
-kind = "practice"
-shapes = ["ball"]
-feedback = true
-[[block]]
-kind = "trial"
-[[block]]
-kind = "practice"
-repeats = 2
-[[block]]
-kind = "rest"
-rest_s = 0.05
-once = true
 )";
 
 inline study::StudyPlan small_plan() {
-  return study::parse_plan(small_plan_text, "plan.toml");
+  return study::parse_plan(small_plan_head + all_blocks(), "plan.toml");
 }
 
 /// A journal in memory.

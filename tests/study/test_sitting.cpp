@@ -103,7 +103,7 @@ TEST_F(SittingTest, FamiliarisationShowsTheObjectAndPracticeMayTellTheAnswer) {
   skip_to(one, BlockKind::practice);
   one.act(Act::go_on, now_);
   one.advance(now_ += 50 * ms);
-  one.answer(0, now_);
+  one.answer(1, now_);
   EXPECT_EQ(one.screen(), Screen::feedback);
   EXPECT_EQ(one.text(), plan_.text(TextId::wrong_answer));
   one.act(Act::go_on, now_);

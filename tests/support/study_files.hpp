@@ -75,6 +75,11 @@ inline void write_ten(const std::filesystem::path& study) {
   }
 }
 
+/// The blocks of a plan that has a shape "cube": each kind, touches of its touch_s or 0.1 s.
+inline std::string all_blocks() {
+  return read_text(source_file("tests/support/study_blocks.toml"));
+}
+
 /// A plan whose simulation takes a fraction of a second with a small finger. The models are files.
 inline void write_small_plan(const std::filesystem::path& file, const std::string& one, const std::string& other) {
   write_text(file, "[[shape]]\nname = \"one\"\nmodel = \"" + one + "\"\n[[shape]]\nname = \"other\"\nmodel = \"" +

@@ -109,9 +109,8 @@ TEST(CameraOnUsb, GivesItsFramesBitForBit) {
     picture[i] = static_cast<std::uint16_t>(20000 + 7919 * i % 40000);
   camera.show(picture);
   const auto folder = scratch_folder("take") / "take";
-  const Result result = palpa(with(with({"run"}, run_with(camera.node(), written(rig))),
-                                   {"--frames", "5", "--record", folder.string(), "--json", "-"}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  succeeded(palpa(with(with({"run"}, run_with(camera.node(), written(rig))),
+                       {"--frames", "5", "--record", folder.string(), "--json", "-"})));
   EXPECT_EQ(camera.gadget.period_ns, 11111100u);
   const auto take = sensing::make_replay(sensing::load_recording(folder), {.paced = false});
   sensing::FrameSet set;
@@ -137,9 +136,8 @@ TEST(CameraOnUsb, IsSetToWhatTheRigAsksFor) {
   const Result doctor = palpa({"doctor", "--backend", "cpu"});
   EXPECT_CONTAINS(doctor.out, camera.node());
   EXPECT_CONTAINS(doctor.out, "its depth unit is 1 mm");
-  const Result result = palpa(with(with({"run"}, run_with(camera.node(), (folder / "rig.toml").string())),
-                                   {"--frames", "2", "--record", (folder / "take").string()}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  succeeded(palpa(with(with({"run"}, run_with(camera.node(), (folder / "rig.toml").string())),
+                       {"--frames", "2", "--record", (folder / "take").string()})));
   const auto held = camera.port.hold();
   EXPECT_EQ(unit.depth_table[0], 100u);
   EXPECT_EQ(unit.exposure_us(), 4000u);
@@ -211,9 +209,8 @@ TEST(CameraOnUsb, TwoCamerasGiveOneSkin) {
   const auto pictures = touching(rig);
   left.show(pictures[0]);
   right.show(pictures[1]);
-  const Result result = palpa(
-      with(with({"run"}, run_with(left.node() + "," + right.node(), written(rig))), {"--frames", "5", "--json", "-"}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa(
+      with(with({"run"}, run_with(left.node() + "," + right.node(), written(rig))), {"--frames", "5", "--json", "-"})));
   EXPECT_EQ(json::parse(result.out)["frames"]["touching"], 5);
   EXPECT_EQ(result.err_without_lateness(), "");
 }

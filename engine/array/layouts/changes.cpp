@@ -47,7 +47,9 @@ std::string why_fewer_steps(const BoardType* type, const ChangeSetting& setting)
 }
 
 const BoardType* board_type_of(const Layout& layout) {
-  return layout.boards.empty() ? nullptr : find_board_type(layout.boards.front().type);
+  const auto unlike = [&](const Board& board) { return board.type != layout.boards.front().type; };
+  if (layout.boards.empty() || std::ranges::any_of(layout.boards, unlike)) return nullptr;
+  return find_board_type(layout.boards.front().type);
 }
 
 double still_slot_s(const Layout& layout) {

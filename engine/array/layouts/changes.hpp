@@ -39,7 +39,7 @@ Changes changes_of(const BoardType* type, const ChangeSetting& setting);
 /// jump, it also says how to avoid the warning.
 std::string why_fewer_steps(const BoardType* type, const ChangeSetting& setting);
 
-/// The type of a layout's boards, which is that of the first one; null if it has none or its type is unknown.
+/// The type of a layout's boards; null if it has none, they are of several types, or the type is unknown.
 const BoardType* board_type_of(const Layout& layout);
 
 /// The slots in which foci that stand still sound on these boards if nobody gives a dwell: a modulation in such fine

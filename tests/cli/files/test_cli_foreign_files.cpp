@@ -130,10 +130,7 @@ class CliReferences : public testing::Test {
   static void expect_inside(const std::vector<std::string>& line, const std::string& further) {
     expect_refused(line, {{{}, "--allow-outside", 4}, {{"--allow-outside"}, further, 4}});
   }
-  static void expect_success(const std::vector<std::string>& line) {
-    const Result result = palpa_here(line);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-  }
+  static void expect_success(const std::vector<std::string>& line) { succeeded(palpa_here(line)); }
   std::vector<std::string> touch_model() const {
     return {"touch", "--scene", path("model.gltf"), "--points", points_, "--backend", "cpu"};
   }

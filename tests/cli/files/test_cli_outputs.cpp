@@ -70,19 +70,17 @@ TEST_F(CliOutputs, ThatCannotBeWrittenAreRefusedAtTheStart) {
   expect_untouched(run({"--record"}), {{{path("used/notes.txt")}, "name a new folder", 1},
                                        {{path("no/such")}, path("no/such") + ": cannot be written: ", 1},
                                        {{path("empty"), "--json", path("empty/times.csv")}, "lies in the folder"}});
-  EXPECT_EQ(palpa_here(run(with(small_frames(), {"--record", path("empty/")}))).exit_code, 0);
+  succeeded(palpa_here(run(with(small_frames(), {"--record", path("empty/")}))));
   EXPECT_TRUE(fs::exists(path("empty/recording.toml")));
   EXPECT_EQ(palpa_here(touch({"--json", "/dev/null", "--csv", "/dev/null"})).exit_code, 0) << "a device is nobody's";
 }
 
 TEST_F(CliOutputs, OnStdoutAreAlone) {
-  const Result parts = palpa_here({"decompose", "--scene", scene_, "--parts", "4", "--out", "-"});
-  ASSERT_EQ(parts.exit_code, 0) << parts.err;
+  const Result parts = succeeded(palpa_here({"decompose", "--scene", scene_, "--parts", "4", "--out", "-"}));
   write_text(path("parts.glb"), parts.out);
   EXPECT_FALSE(geometry::load_gltf(path("parts.glb")).meshes.empty());
   EXPECT_FALSE(fs::exists("-"));
-  const Result drives = palpa(run(with(small_frames(), {"--link", "record:-"})));
-  ASSERT_EQ(drives.exit_code, 0) << drives.err;
+  const Result drives = succeeded(palpa(run(with(small_frames(), {"--link", "record:-"}))));
   write_text(path("drives.bin"), drives.out);
   read_to_silence(path("drives.bin"));
   const std::string told = "would mix on stdout";
@@ -98,8 +96,7 @@ TEST_F(CliOutputs, AnyNameOfStdoutIsStdout) {
   for (const std::string& name : {std::string("/dev/stdout"), path("out.csv")}) {
     SCOPED_TRACE(name);
     write_text(path("out.csv"), "");
-    const Result result = palpa_here(with(drive, {"--csv", name}), path("out.csv"));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa_here(with(drive, {"--csv", name}), path("out.csv")));
     EXPECT_EQ(read_text(path("out.csv")), alone) << "no summary over it";
     expect_failure(palpa_here(with(drive, {"--csv", name, "--json", "-"}), path("out.csv")), 2, "would mix on stdout");
   }
@@ -110,8 +107,7 @@ TEST_F(CliOutputs, LongPreparationTellsALogEachStep) {
   geometry::write_glb(path("ball.glb"), std::span(&ball, 1));
   const std::vector<std::string> with_ball{"touch",     "--scene", path("ball.glb"), "--points", points_,
                                            "--backend", "cpu",     "--json",         "-"};
-  const Result told = palpa_here(with(with_ball, {"--log-level", "info"}));
-  EXPECT_EQ(told.exit_code, 0) << told.err;
+  const Result told = succeeded(palpa_here(with(with_ball, {"--log-level", "info"})));
   EXPECT_CONTAINS(told.err, "palpa: info: ");
   EXPECT_CONTAINS(told.err, "preparing mesh \"ball\"");
   EXPECT_EQ(palpa_here(with_ball).err, "");

@@ -96,10 +96,8 @@ class Nudge : public testing::Test {
 };
 
 TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
-  const Result result =
-      palpa_here(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
-                      {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json"), "--hold", "10s"}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  succeeded(palpa_here(with(nudge("right*3 shift+up pageup f pageup*2 down left wait*8 enter"),
+                            {"--link", "record:" + file("nudge.bin"), "--json", file("nudge.json"), "--hold", "10s"})));
   const Vec3 offset(0.0029, 0.0, -0.0012);
   const json said = json::parse(read_text(file("nudge.json")));
   for (int i = 0; i < 3; ++i)
@@ -109,8 +107,7 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   // Where the fingertip is seen.
   const std::vector<std::string> same{"--backend", "cpu",          "--scene",  where_assets_are().second + "/cube.glb",
                                       "--method",  "single-focus", "--source", recording("still")};
-  const Result exported = palpa_here(with({"export", "--foci", file("foci.json")}, same));
-  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  succeeded(palpa_here(with({"export", "--foci", file("foci.json")}, same)));
   const json frames = json::parse(read_text(file("foci.json")))["frames"];
   const auto touching = [](const json& frame) { return !frame["fingers"].empty(); };
   const auto last = std::find_if(frames.rbegin(), frames.rend(), touching);
@@ -125,16 +122,14 @@ TEST_F(Nudge, TheFocusMovesByWhatTheKeysSayAndARunWithTheNewRigPutsItThere) {
   const sensing::Rig nudged = sensing::load_rig(file("nudged.toml"));
   EXPECT_LT(glm::length(Vec3((*nudged.array->T_world_layout)[3]) - (Vec3(T_world_layout[3]) - offset)), 1e-12);
   EXPECT_EQ(nudged.cameras.size(), rig_.cameras.size());
-  const Result run = palpa_here(with(
+  const Result run = succeeded(palpa_here(with(
       {"run", "--every-frame", "--rig", file("nudged.toml"), "--link", "record:" + file("run.bin"), "--hold", "1s"},
-      same));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+      same)));
   EXPECT_LT(phases_off(last_sound(file("run.bin")), T_world_layout, seen + offset), 2e-3);
 }
 
 TEST_F(Nudge, NothingIsSavedWithoutEnter) {
-  const Result left = palpa_here(nudge("right q"));
-  EXPECT_EQ(left.exit_code, 0) << left.err;
+  const Result left = succeeded(palpa_here(nudge("right q")));
   EXPECT_NE(left.out.find("nothing is saved"), std::string::npos);
   expect_failure(palpa_here(nudge("right*2")), 1, "before Enter");
   expect_failure(palpa_here(nudge("wait*1000")), 1, "before Enter");  // the recording ends first
@@ -219,9 +214,8 @@ std::string eight_times(const std::string& keys) {
 }
 
 TEST_F(ByTouch, EightTouchesGiveTheCamerasPose) {
-  const Result result = palpa_here(with(touch(eight_times("wait*20 enter")),
-                                        {"--link", "record:" + file("drives.bin"), "--json", file("said.json")}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(with(
+      touch(eight_times("wait*20 enter")), {"--link", "record:" + file("drives.bin"), "--json", file("said.json")})));
   EXPECT_CONTAINS(result.out, "front left: 8 touches, ");
   EXPECT_CONTAINS(result.out, "palpa calibrate --nudge --rig " + file("new") + " refines it");
   const sensing::Rig was = sensing::load_rig(rig_), now = sensing::load_rig(file("new"));
@@ -246,8 +240,7 @@ TEST_F(ByTouch, NothingIsSavedBeforeTheLastFocus) {
   expect_failure(palpa_here(touch("wait*20 enter wait*20 enter")), 1, "before Enter was pressed at focus 3 of 8");
   expect_failure(palpa_here(touch("wait*20 enter enter")), 1,
                  "nothing is saved, because it ended at focus 2 of 8: no camera sees a fingertip");
-  const Result left = palpa_here(with(touch("wait*20 enter q"), {"--json", "-"}));
-  EXPECT_EQ(left.exit_code, 0) << left.err;
+  const Result left = succeeded(palpa_here(with(touch("wait*20 enter q"), {"--json", "-"})));
   EXPECT_EQ(json::parse(left.out)["saved"], false);
   EXPECT_FALSE(std::filesystem::exists(file("new")));
   for (const auto& [more, fault] : {std::pair("--at", "--at and --by-touch exclude each other"),

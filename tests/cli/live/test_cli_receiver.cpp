@@ -124,10 +124,9 @@ TEST(Receiver, PlaysWhatItIsTold) {
   const PythonReceiver receiver("plays");
   ASSERT_TRUE(receiver.says("listening"));
 
-  const Result result =
+  succeeded(
       palpa(with({"run", "--scene", cube(), "--frames", "40", "--quiet", "--hold", "1s", "--link", receiver.link()},
-                 small_frames()));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+                 small_frames())));
   ASSERT_TRUE(receiver.says(": silent", 10));
   const std::size_t before = receiver.lines().size();
   EXPECT_NE(receiver.lines()[1].find("on cube: amplitude 1.000 of focus"), std::string::npos) << receiver.lines()[1];

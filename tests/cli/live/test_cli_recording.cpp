@@ -43,8 +43,7 @@ class CliRecording : public testing::Test {
 };
 
 TEST_F(CliRecording, HasEveryFrameOfALiveRun) {
-  const Result result = palpa_here(run({"--frames", "90", "--hold", "auto", "--record", path("take")}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(run({"--frames", "90", "--hold", "auto", "--record", path("take")})));
   EXPECT_EQ(result.err.find(path("take")), std::string::npos) << result.err;
   EXPECT_TRUE(result.out.starts_with(path("take") + ": all 90 frames are recorded\n")) << result.out;
   EXPECT_EQ(sensing::load_recording(path("take")).entries.size(), 90u);
@@ -62,19 +61,17 @@ TEST_F(CliRecording, OrTheFirstLineSaysHowManyAreMissing) {
 }
 
 TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
-  ASSERT_EQ(palpa_here(run({"--frames", "4", "--every-frame", "--record", path("take")})).exit_code, 0);
+  succeeded(palpa_here(run({"--frames", "4", "--every-frame", "--record", path("take")})));
   const auto two = run({"--frames", "2", "--every-frame", "--seed", "5", "--record", path("take")});
   expect_untouched(two, "--record: " + path("take") +
                             " is not empty; name a new folder, or give --overwrite to replace the recording in it");
   for (const char* name : {"take", "take/"}) {
-    const Result result =
-        palpa_here(run({"--frames", "2", "--every-frame", "--record", path(name), "--overwrite", "--quiet"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa_here(run({"--frames", "2", "--every-frame", "--record", path(name), "--overwrite", "--quiet"})));
     EXPECT_EQ(sensing::load_recording(path("take")).entries.size(), 2u);
     EXPECT_FALSE(fs::exists(path("take/000002-0.png")));
   }
   // A new folder is as good, and a run that cannot begin replaces nothing.
-  EXPECT_EQ(palpa_here(run({"--frames", "1", "--record", path("new"), "--overwrite"})).exit_code, 0);
+  succeeded(palpa_here(run({"--frames", "1", "--record", path("new"), "--overwrite"})));
   const auto before = contents_of(folder_);
   expect_failure(palpa_here(run({"--frames", "1", "--record", path("take"), "--overwrite", "--link", "nobody"})), 2,
                  "nobody");
@@ -87,7 +84,7 @@ TEST_F(CliRecording, IsReplacedOnlyIfTheUserAsksForThat) {
 }
 
 TEST_F(CliRecording, NeverReplacesWhatIsNotARecordingOrIsPlayed) {
-  ASSERT_EQ(palpa_here(run({"--frames", "3", "--every-frame", "--record", path("take")})).exit_code, 0);
+  succeeded(palpa_here(run({"--frames", "3", "--every-frame", "--record", path("take")})));
   fs::create_symlink(path("take"), path("soft"));
   for (const char* source : {"take", "soft", "take/recording.toml", "soft/../take"}) {
     for (const char* target : {"take", "soft"})

@@ -96,23 +96,6 @@ testing::AssertionResult sounds_on(const Stage& stage, const Heard& before = {})
   return testing::AssertionFailure() << "nothing sounds";
 }
 
-TEST(CliSignals, TheLastBytesOnTheWireAreSilenceWhicheverEndsTheLoop) {
-  const auto ends = [](int signal) {
-    SCOPED_TRACE(strsignal(signal));
-    const Stage stage("sig-" + std::to_string(signal));
-    LiveRun loop = stage.loop();
-    ASSERT_TRUE(sounds_on(stage));
-    loop.signal(signal);
-    const LiveRun::End end = loop.wait(60);
-    ASSERT_TRUE(end.ended);
-    EXPECT_EQ(end.by_signal, 0) << "it ends by itself";
-    EXPECT_TRUE(end.in_order()) << "it is ended by force: " << end.exit_code;
-    EXPECT_LT(end.after_s, most_s);
-    stage.expect_silent_and_alone();
-  };
-  side_by_side(4, std::vector{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXFSZ, SIGPIPE, SIGTSTP, SIGXCPU}, ends);
-}
-
 TEST(CliSignals, DuringTheStartLeaveNothingThatSounds) {
   const auto ends = [](std::chrono::milliseconds after) {
     SCOPED_TRACE(after.count());

@@ -73,9 +73,8 @@ class Tracker : public testing::Test {
 
 TEST_F(Tracker, ARunAndAnExportTakeItsHands) {
   const Result run =
-      palpa_here({"run", "--scene", source_file("assets/cube.glb"), "--source", "joints:" + file("dip.jsonl"),
-                  "--every-frame", "--backend", "cpu", "--stats", "json"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+      succeeded(palpa_here({"run", "--scene", source_file("assets/cube.glb"), "--source", "joints:" + file("dip.jsonl"),
+                            "--every-frame", "--backend", "cpu", "--stats", "json"}));
   EXPECT_EQ(run.err_without_lateness(), "");
   const json stats = json::parse(run.out);
   EXPECT_EQ(stats["frames"]["captured"], 30);
@@ -83,7 +82,7 @@ TEST_F(Tracker, ARunAndAnExportTakeItsHands) {
   EXPECT_FALSE(stats.contains("dropped")) << "a tracker sees no boards";
 
   const auto foci = [&](const std::vector<std::string>& more) {
-    EXPECT_EQ(exported("joints:" + file("dip.jsonl"), file("foci.csv"), more).exit_code, 0);
+    succeeded(exported("joints:" + file("dip.jsonl"), file("foci.csv"), more));
     return read_text(file("foci.csv"));
   };
   const std::string usual = foci({});
@@ -94,8 +93,7 @@ TEST_F(Tracker, ARunAndAnExportTakeItsHands) {
 
 TEST_F(Tracker, StandsWhereTheRigSays) {
   const auto foci_of = [&](const std::string& hands, const std::vector<std::string>& more) {
-    const Result result = exported("joints:" + file(hands), file("foci.json"), more);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(exported("joints:" + file(hands), file("foci.json"), more));
     std::vector<Vec3> foci;
     const json written = json::parse(read_text(file("foci.json")));
     for (const json& frame : written["frames"]) {
@@ -158,8 +156,7 @@ class Registration : public Tracker {
 };
 
 TEST_F(Registration, FindsWhereTheTrackerStands) {
-  const Result result = nudge(touches(the_foci(), std::vector<Vec3>(4, Vec3(0))), four_);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  succeeded(nudge(touches(the_foci(), std::vector<Vec3>(4, Vec3(0))), four_));
   const sensing::Rig rig = sensing::load_rig(file("registered.toml"));
   EXPECT_EQ(rig.array->layout, "openmpd");
   ASSERT_TRUE(rig.T_world_joints);
@@ -184,9 +181,8 @@ TEST_F(Registration, FindsWhereTheTrackerStands) {
 TEST_F(Registration, FociMayBeNudged) {
   std::vector<Vec3> foci = the_foci();
   foci[1] += Vec3(-2e-3, 1e-3, 0);
-  const Result result = nudge(touches(foci, std::vector<Vec3>(4, Vec3(0))),
-                              "wait*29 enter left*2 up wait*26 enter wait*29 enter wait*29 enter");
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  succeeded(nudge(touches(foci, std::vector<Vec3>(4, Vec3(0))),
+                  "wait*29 enter left*2 up wait*26 enter wait*29 enter wait*29 enter"));
   EXPECT_LT(*sensing::load_rig(file("registered.toml")).joints_residual_m, 0.1e-3);
 }
 
@@ -210,8 +206,7 @@ TEST_F(Registration, RefusesTouchesThatSayNothing) {
     expect_failure(nudge(film, keys), 1, told);
     EXPECT_FALSE(std::filesystem::exists(file("registered.toml"))) << told;
   }
-  const Result left = nudge(touches(the_foci(), none), "wait enter q");
-  EXPECT_EQ(left.exit_code, 0) << left.err;
+  const Result left = succeeded(nudge(touches(the_foci(), none), "wait enter q"));
   EXPECT_CONTAINS(left.out, "nothing is saved");
   EXPECT_EQ(json::parse(read_text(file("registered.json")))["saved"], false);
 }
@@ -235,8 +230,7 @@ TEST(SensationOnHand, PlaysAtThePalmAndTurnsWithIt) {
     std::vector<std::string> line = words_of("play point --layout openmpd --on palm --link record:" + file +
                                              " --source joints:" + (folder / "hand.jsonl").string());
     if (upright) line.push_back("--upright");
-    const Result result = palpa_here(line);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa_here(line));
     EXPECT_LT(phases_off(last_sound(file), T_world_layout, palm), 0.01);
   }
 }

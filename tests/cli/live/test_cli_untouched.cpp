@@ -26,9 +26,8 @@ using nlohmann::json;
 const std::filesystem::path& cube_frames() {
   static const std::filesystem::path take = [] {
     const std::filesystem::path made = scratch_folder("untouched") / "take";
-    const Result record = palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--frames", "5",
-                                      "--every-frame", "--backend", "cpu", "--record", made.string()});
-    EXPECT_EQ(record.exit_code, 0) << record.err;
+    const Result record = succeeded(palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--frames",
+                                                "5", "--every-frame", "--backend", "cpu", "--record", made.string()}));
     EXPECT_EQ(record.out.find("nothing touched"), std::string::npos) << "the finger touched";
     return made;
   }();
@@ -45,8 +44,7 @@ Result run_of_cube_frames(const std::filesystem::path& folder, const Box& object
 
 TEST(Untouched, ARunSaysHowFarTheSkinWas) {
   const auto folder = scratch_folder("untouched-run");
-  const Result below = run_of_cube_frames(folder, {{-0.02, -0.12, -0.02}, {0.02, -0.08, 0.02}});
-  ASSERT_EQ(below.exit_code, 0) << below.err;
+  const Result below = succeeded(run_of_cube_frames(folder, {{-0.02, -0.12, -0.02}, {0.02, -0.08, 0.02}}));
   const json stats = json::parse(read_text(folder / "stats.json"));
   EXPECT_EQ(stats["untouched"]["solid"], "low");
   EXPECT_EQ(stats["untouched"]["inside"], false);
@@ -77,8 +75,7 @@ TEST(Untouched, AnExportOfTheSameFramesSaysTheSame) {
                                 (folder / "foci.csv").string(),
                                 "--json",
                                 (folder / "export.json").string()};
-  const Result export_ = palpa_here(line);
-  ASSERT_EQ(export_.exit_code, 0) << export_.err;
+  const Result export_ = succeeded(palpa_here(line));
   const std::size_t said = run.out.find("nothing touched: ");
   ASSERT_NE(said, std::string::npos);
   EXPECT_CONTAINS(export_.out, run.out.substr(said, run.out.find('\n', said) + 1 - said));

@@ -26,8 +26,8 @@ struct Driven {
 inline Driven drive_here(const std::vector<std::string>& arguments, const std::string& backend = "cpu") {
   static const std::filesystem::path folder = scratch_folder("drive-here");
   const std::string csv = folder / "drive.csv", report = folder / "drive.json";
-  const Result result = palpa_here(with({"drive", "--backend", backend, "--csv", csv, "--json", report}, arguments));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result =
+      succeeded(palpa_here(with({"drive", "--backend", backend, "--csv", csv, "--json", report}, arguments)));
   EXPECT_EQ(result.err, "") << testing::PrintToString(arguments);
   const std::string table = read_text(csv);
   EXPECT_TRUE(table.starts_with("index,x,y,z,nx,ny,nz,amplitude,phase\n0,")) << table.substr(0, 80);

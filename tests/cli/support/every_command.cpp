@@ -107,10 +107,9 @@ QuickLines::QuickLines() : folder_(scratch_folder("quick-lines")), cache_(folder
   write("tip.ply", geometry::icosphere(2e-3, 4), 2e-3);
   // The observer's finger, with which the shapes of its plan can be told apart.
   write("fingertip.ply", sphere(2e-3, 8, 12), 2e-3);
-  const Result recorded = palpa(with({"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu",
-                                      "--record", folder_ / "recording", "--quiet"},
-                                     small_frames()));
-  EXPECT_EQ(recorded.exit_code, 0) << recorded.err;
+  succeeded(palpa(with({"run", "--scene", scene, "--frames", "3", "--every-frame", "--backend", "cpu", "--record",
+                        folder_ / "recording", "--quiet"},
+                       small_frames())));
   write_participant(folder_ / "study", 1, {{"single-focus", 18}, {"cross-section", 28}});
   std::filesystem::create_directories(folder_ / "withdrawn/sub-02");
   write_text(folder_ / "level.toml",

@@ -222,6 +222,11 @@ std::map<std::string, std::string> contents_of(const std::filesystem::path& fold
   return all;
 }
 
+Result succeeded(Result result) {
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return result;
+}
+
 void expect_failure(const Result& result, int code, const std::string& part) {
   EXPECT_EQ(result.exit_code, code) << result.err;
   EXPECT_EQ(result.signal, 0);

@@ -73,6 +73,8 @@ std::map<std::string, std::string> contents_of(const std::filesystem::path& fold
 /// of error, and the exit code is 0 if and only if there is none. With --log-level quiet, there never is one.
 void expect_orderly(const Result& result, const std::vector<std::string>& arguments);
 
+/// gtest: the program ended well. Returns the same result.
+Result succeeded(Result result);
 /// gtest: the program failed with `code`, printed one line of error that contains `part`, and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);
 

@@ -13,8 +13,7 @@ namespace palpa::test {
 
 /// What the line gives with --json, or nothing if it fails.
 inline nlohmann::json report_of(const std::vector<std::string>& line) {
-  const Result result = palpa_here(with(line, {"--json", "-"}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(with(line, {"--json", "-"})));
   return result.exit_code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json();
 }
 

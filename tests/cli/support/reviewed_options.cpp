@@ -12,7 +12,6 @@ namespace palpa::test {
 
 namespace {
 
-using Effects = std::vector<EffectiveOptions>;
 using Idles = std::vector<IdleOptions>;
 
 template <typename Item>
@@ -35,15 +34,15 @@ const std::vector<std::string> sound{"--amplitude uniform", "--solver greedy",  
                                      "--directivity omni",  "--temperature 25", "--sound-speed 350m/s",
                                      "--frequency 41kHz"};
 
-/// Options from skin to foci.
-const std::vector<std::string> touched{"--delta 1mm", "--finger-gap 0.1mm", "--min-points 100000"},
-    placed{"--spacing arc", "--method ellipse"}, scheduled{"--stride 7", "--dwell 2ms"},
-    modulated{"--modulation amplitude-sine", "--modulation-frequency 100Hz"};
-/// Options of drives. Foci have to sound together for a solver to make a difference.
-const std::vector<std::string> driven{"--amplitude uniform", "--constraint uniform", "--pressure 500Pa",
-                                      "--temperature 30",    "--sound-speed 350m/s", "--frequency 41kHz"};
-const Effects sounding{
-    {"", driven}, {"", {"--directivity omni", "--spread phase=0.1"}}, {"--spread phase=0.1", {"--draws 30"}}};
+/// Options from skin to foci, and of drives. tests/python/test_every_option.py tries their effects.
+const std::string touched =
+                      " --scene --gltf-scene --delta --finger-gap --min-points --cluster --surface --spacing --method "
+                      "--stride --dwell --modulation --modulation-frequency --tune --rig --layout ",
+                  driven =
+                      " --amplitude --constraint --solver --pressure --directivity --temperature --sound-speed "
+                      "--frequency ",
+                  of_drive_and_field = driven + "--layout --focus --null --spread --draws ",
+                  in_air = " --humidity --air-pressure --no-absorption ";
 
 ReviewedLine of_touch() {
   const std::string points = " --points ROOT/assets/finger.ply --penetration 3mm --backend cpu";
@@ -57,22 +56,12 @@ ReviewedLine of_touch() {
                                         {"--wav-scale goes with --wav", {"--wav-scale 60"}},
                                         {"go with --depth", {"--camera x.toml", "--rig x.toml"}},
                                         {"--finger-width goes with --depth", {"--finger-width 10mm"}}}}),
-          .untried = "--scene --gltf-scene --points --depth --surface --cluster",
+          .untried = touched + driven + "--points --depth --foci --penetration --spectrum --spot --audible --steps",
           // On a ridge, where a cross-section is not round.
           .tried_as = "touch --scene ROOT/assets/prism.glb --json OUT/touch.json" + points,
-          .effective = {{"", touched},
-                        {"", placed},
-                        {"", scheduled},
-                        {"--method single-focus", modulated},
-                        {"--layout openmpd", driven},
-                        {"--layout openmpd --method multi-focus", {"--solver greedy"}},
-                        {"--layout openmpd", {"--directivity omni", "--audible"}},
-                        {"--layout openmpd --audible", {"--steps off", "--wav OUT/touch.wav"}},
-                        {"--layout openmpd --audible --wav OUT/touch.wav", {"--wav-scale 60"}},
-                        {"--spectrum", {"--spot 5mm"}},
-                        {"",
-                         {"--penetration 2mm", "--csv OUT/contacts.csv", "--foci 8", "--tune", "--spectrum",
-                          "--layout openmpd"}}}};
+          .effective = {{"", {"--csv OUT/contacts.csv"}},
+                        {"--layout openmpd --audible", {"--wav OUT/touch.wav"}},
+                        {"--layout openmpd --audible --wav OUT/touch.wav", {"--wav-scale 60"}}}};
 }
 
 ReviewedLine of_run() {
@@ -91,12 +80,10 @@ ReviewedLine of_run() {
             {"--board-files goes with a link to boards", {"--board-files /"}},
             {"--steps goes with a link to boards", {"--steps off"}}}}),
       // A run measures itself, so that no two of them have the same results. These are tried with export.
-      .untried =
-          "--delta --finger-gap --min-points --cluster --spacing --stride --dwell --method --modulation "
-          "--modulation-frequency --tune --amplitude --solver --constraint --pressure --directivity "
-          "--transfer --null --temperature --sound-speed --frequency --scene --gltf-scene --source --frames --hold "
-          "--ceiling --ramp --events --surface --rig --layout --finger-width --axes --smoothing --hysteresis --predict "
-          "--predict-latency --foci --link --every-frame --record --stats --keep-boards --osc --reload"};
+      .untried = touched + driven +
+                 "--transfer --null --source --frames --hold --ceiling --ramp --events --finger-width --axes "
+                 "--smoothing --hysteresis --predict --predict-latency --foci --link --every-frame --record --stats "
+                 "--keep-boards --osc --reload"};
 }
 
 std::vector<ReviewedLine> of_export() {
@@ -122,20 +109,9 @@ std::vector<ReviewedLine> of_export() {
                                      {"give --predict-latency", {"--predict auto"}}}}),
        // Only fingers that flicker show hysteresis: see test_touch_known. The finger of the recording rests, so that
        // nothing of it is predicted. The boards are out of the cube's reach; tests of surroundings try --keep-boards.
-       .untried =
-           "--scene --gltf-scene --source --surface --cluster --finger-width --rig --tune --hysteresis --predict "
-           "--predict-latency --keep-boards",
-       .tried_as = recorded + " --layout openmpd --foci OUT/foci.json --events OUT/events.jsonl "
-                              "--drives OUT/drives.bin --json OUT/all.json",
-       .effective = {{"", touched},
-                     {"", placed},
-                     {"", scheduled},
-                     {"--method single-focus", modulated},
-                     {"", driven},
-                     {"--method multi-focus", {"--solver greedy", "--directivity omni"}},
-                     {"",
-                      {"--foci-count 8", "--hold 20ms", "--ceiling 0.5", "--ramp 10ms", "--event-move 0",
-                       "--axes covariance", "--smoothing none", "--layout sonicsurface", "--frames 3"}}}},
+       .untried = touched + driven +
+                  "--source --finger-width --hysteresis --predict --predict-latency --keep-boards --foci-count --hold "
+                  "--ceiling --ramp --event-move --axes --smoothing --frames"},
       {.line = recorded + " --foci -",
        .tried_as = recorded + " --json OUT/all.json --events OUT/events.jsonl",
        .effective = {{"", {"--foci OUT/foci.csv", "--drives OUT/drives.bin", "--pressure 500Pa", "--dwell 2ms"}},
@@ -159,34 +135,34 @@ std::vector<ReviewedLine> of_calibrate() {
   const std::string rig = "--rig ROOT/tests/cli/support/small_rig.toml";
   const Idles gpu_of_nudge{{"go with --nudge", {"--gpu 0", "--validation core"}}},
       keys{{"--keys goes with --nudge", {"--keys enter"}}};
-  return {{.line = "calibrate --layout openmpd",
-           .idle = joined<IdleOptions>(
-               {gpu_of_nudge,
-                keys,
-                {{"OPTION goes with --nudge",
-                  {"--scene ROOT/assets/cube.glb", "--link foci:udp:127.0.0.1:9", "--board-files /", "--hold 50ms",
-                   "--ceiling 0.5", "--ramp 10ms"}},
-                 {"goes with --nudge", {"--temperature 25", "--sound-speed 350m/s", "--frequency 41kHz"}}}}),
-           .untried = "--target --turn --source --frames --out --layout --rig --background --nudge --by-touch",
-           .tried_as = "calibrate " + rig + " --frames 2 --json OUT/found.json",
-           .effective = {{"", {"--noise-free", "--at 5mm,0,0"}}}},
-          {.line = "calibrate --layout openmpd --background",
-           .idle = joined<IdleOptions>({gpu_of_nudge,
-                                        keys,
-                                        {{"exclude each other", {"--at 0,0,1mm", "--turn 90", "--nudge", "--by-touch"}},
-                                         {"--out needs --source", {"--out x.toml"}}}}),
-           .tried_as = "calibrate --background " + rig + " --frames 10 --json OUT/learned.json",
-           .effective = {{"", {"--noise-free"}}}},
-          {.line = "calibrate --layout openmpd --target none/t.stl",
-           .idle = joined<IdleOptions>({gpu_of_nudge,
-                                        keys,
-                                        {{"exclude each other",
-                                          {"--source synthetic", "--frames 3", "--noise-free", "--out x.toml",
-                                           "--nudge", "--by-touch", "--background"}},
-                                         {"--target only writes the model", {"--json -"}},
-                                         {"a printer's .stl lies as it is printed", {"--at 0,0,1mm", "--turn 90"}}}}),
-           .tried_as = "calibrate --target OUT/target.glb --layout openmpd",
-           .effective = {{"", {"--at 5mm,0,0", "--turn 90", "--layout sonicsurface", "--target OUT/target.stl"}}}}};
+  return {
+      {.line = "calibrate --layout openmpd",
+       .idle = joined<IdleOptions>(
+           {gpu_of_nudge,
+            keys,
+            {{"OPTION goes with --nudge",
+              {"--scene ROOT/assets/cube.glb", "--link foci:udp:127.0.0.1:9", "--board-files /", "--hold 50ms",
+               "--ceiling 0.5", "--ramp 10ms"}},
+             {"goes with --nudge", {"--temperature 25", "--sound-speed 350m/s", "--frequency 41kHz"}}}}),
+       .untried = "--target --turn --source --frames --out --layout --rig --background --nudge --by-touch --noise-free "
+                  "--at"},
+      {.line = "calibrate --layout openmpd --background",
+       .idle = joined<IdleOptions>({gpu_of_nudge,
+                                    keys,
+                                    {{"exclude each other", {"--at 0,0,1mm", "--turn 90", "--nudge", "--by-touch"}},
+                                     {"--out needs --source", {"--out x.toml"}}}}),
+       .tried_as = "calibrate --background " + rig + " --frames 10 --json OUT/learned.json",
+       .effective = {{"", {"--noise-free"}}}},
+      {.line = "calibrate --layout openmpd --target none/t.stl",
+       .idle = joined<IdleOptions>({gpu_of_nudge,
+                                    keys,
+                                    {{"exclude each other",
+                                      {"--source synthetic", "--frames 3", "--noise-free", "--out x.toml", "--nudge",
+                                       "--by-touch", "--background"}},
+                                     {"--target only writes the model", {"--json -"}},
+                                     {"a printer's .stl lies as it is printed", {"--at 0,0,1mm", "--turn 90"}}}}),
+       .tried_as = "calibrate --target OUT/target.glb --layout openmpd",
+       .effective = {{"", {"--at 5mm,0,0", "--turn 90", "--layout sonicsurface", "--target OUT/target.stl"}}}}};
 }
 
 std::vector<ReviewedLine> of_drive() {
@@ -197,13 +173,8 @@ std::vector<ReviewedLine> of_drive() {
                                     {{"OPTION goes with --touch", {"--slot 1", "--rig x.toml"}},
                                      {"OPTION goes with --transfer finger", {"--mesh SCRATCH/above.ply", "--force"}},
                                      {"--draws goes with --spread", {"--draws 50"}}}}),
-       .untried = "--touch --pattern",
-       .tried_as = line + " --focus 2cm,0,10cm --json OUT/drive.json",
-       .effective =
-           joined<EffectiveOptions>({sounding,
-                                     {{"",
-                                       {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm",
-                                        "--csv OUT/drive.csv", "--transfer finger --mesh SCRATCH/above.ply"}}}})},
+       .untried = of_drive_and_field + "--touch --pattern --transfer",
+       .effective = {{"", {"--csv OUT/drive.csv"}}}},
       {.line = "drive --layout openmpd --touch x.json --backend cpu",
        .idle = {{"exclude each other", {"--focus 0,0,10cm"}}}},
       {.line = "drive --layout paper --pattern hoshi --backend cpu",
@@ -244,20 +215,12 @@ ReviewedLine of_field() {
                {of_plane,
                 {"--draws goes with --spread", {"--draws 50"}},
                 {"exclude each other", {"--humidity 20 --no-absorption", "--air-pressure 90kPa --no-absorption"}}}}),
-          .untried = "--drive --plane --points",
-          .tried_as = line + " --focus 2cm,0,10cm --json OUT/field.json --csv OUT/field.csv",
-          .effective = joined<EffectiveOptions>(
-              {sounding,
-               {{"",
-                 {"--solver greedy", "--layout autd3", "--focus 0,0,9cm", "--null 0,2cm,10cm", "--line 0,0,1cm 0,0,3cm",
-                  "--samples 5", "--csv OUT/other.csv", "--vtu OUT/field.vtu", "--png OUT/field.png", "--no-absorption",
-                  "--humidity 20", "--air-pressure 90kPa"}}}})};
+          .untried = of_drive_and_field + in_air + "--drive --plane --points --line --samples",
+          .effective = {{"", {"--csv OUT/field.csv", "--vtu OUT/field.vtu", "--png OUT/field.png"}}}};
 }
 
 std::vector<ReviewedLine> of_scatter() {
-  const std::string line = "scatter --mesh SCRATCH/pebble.ply --plane-wave 0,0,1",
-                    of_array = "scatter --mesh SCRATCH/raised.ply --layout openmpd --drive SCRATCH/drive.csv",
-                    results = " --json OUT/body.json --csv OUT/faces.csv";
+  const std::string line = "scatter --mesh SCRATCH/pebble.ply --plane-wave 0,0,1";
   return {{.line = line,
            .idle = joined<IdleOptions>({no_gpu_at_all,
                                         {of_plane,
@@ -266,17 +229,13 @@ std::vector<ReviewedLine> of_scatter() {
                                          {"exclude each other", {"--drive x.csv"}},
                                          {"OPTION goes with --drive", {"--directivity omni", "--absorption"}},
                                          {"--humidity goes with --absorption", {"--humidity 20"}}}}),
-           .untried = "--mesh --force --point-source --plane",
-           .tried_as = line + results,
-           .effective = {{"",
-                          {"--plane-wave 0,1,0", "--line 0,0,2mm 0,0,3mm", "--points SCRATCH/raised.ply",
-                           "--csv OUT/other.csv", "--temperature 30", "--sound-speed 350m/s", "--frequency 41kHz",
-                           "--air-pressure 90kPa"}},
+           .untried = "--mesh --force --point-source --plane --plane-wave --temperature --sound-speed --frequency" +
+                      in_air + "--absorption --directivity",
+           .tried_as = line + " --json OUT/body.json --csv OUT/faces.csv",
+           .effective = {{"", {"--line 0,0,2mm 0,0,3mm", "--points SCRATCH/raised.ply", "--csv OUT/other.csv"}},
                          {"--line 0,0,2mm 0,0,3mm", {"--samples 5"}}}},
-          {.line = of_array,
-           .idle = {{"--humidity goes with --absorption", {"--humidity 20"}}},
-           .tried_as = of_array + results,
-           .effective = {{"", {"--directivity omni", "--absorption"}}, {"--absorption", {"--humidity 20"}}}}};
+          {.line = "scatter --mesh SCRATCH/raised.ply --layout openmpd --drive SCRATCH/drive.csv",
+           .idle = {{"--humidity goes with --absorption", {"--humidity 20"}}}}};
 }
 
 std::vector<ReviewedLine> of_simulate() {
@@ -289,20 +248,10 @@ std::vector<ReviewedLine> of_simulate() {
                                         {{"OPTION goes with --skin cameras", {"--noise-free", "--finger-width 10mm"}},
                                          {"--draws goes with --spread", {"--draws 50"}},
                                          {"exclude each other", {"--humidity 20 --no-absorption"}}}}),
-           .untried =
-               "--scene --gltf-scene --finger --finger-gap --min-points --skin --figure6 --force --surface --cluster "
-               "--stride --modulation --rig",
+           .untried = touched + driven + in_air +
+                      "--finger --skin --figure6 --force --spread --foci --spectrum --penetration --transfer",
            .tried_as = line + " --layout openmpd --json OUT/felt.json",
-           .effective = joined<EffectiveOptions>(
-               {sounding,
-                {{"", placed},
-                 {"--method multi-focus", {"--solver greedy"}},
-                 {"--spectrum", {"--dwell 2ms"}},
-                 {"--method single-focus", {"--modulation-frequency 0"}},
-                 {"",
-                  {"--delta 1mm", "--foci 6", "--tune", "--spectrum", "--penetration 0.8mm", "--layout sonicsurface",
-                   "--transfer finger", "--csv OUT/faces.csv", "--vtu OUT/faces.vtu", "--png OUT/finger.png",
-                   "--no-absorption", "--humidity 20", "--air-pressure 90kPa"}}}})},
+           .effective = {{"", {"--csv OUT/faces.csv", "--vtu OUT/faces.vtu", "--png OUT/finger.png"}}}},
           {.line = "simulate --figure6 --backend cpu",
            .idle = {{"exclude each other",
                      {"--scene ROOT/assets/cube.glb", "--gltf-scene 0", "--csv x.csv", "--vtu x.vtu",

@@ -24,7 +24,7 @@ struct EffectiveOptions {
 struct ReviewedLine {
   std::string line;                 ///< lacks nothing
   std::vector<IdleOptions> idle{};  ///< refused beside that line
-  std::string untried{};            ///< options that have an effect, but are costly to try, or need other inputs
+  std::string untried{};            ///< options that have an effect, and are tried in Python or elsewhere
   std::string tried_as{};           ///< the line on which the following are tried; empty: `line`
   std::vector<EffectiveOptions> effective{};
 };

@@ -118,8 +118,7 @@ TouchReport read_touch(const std::string& text, double delta, std::size_t foci) 
 }
 
 TouchReport run_touch_here(const std::vector<std::string>& line, double delta, std::size_t foci) {
-  const Result result = palpa_here(with(line, {"--json", "-"}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa_here(with(line, {"--json", "-"})));
   EXPECT_EQ(result.err, "");
   return result.exit_code == 0 ? read_touch(result.out, delta, foci) : TouchReport();
 }

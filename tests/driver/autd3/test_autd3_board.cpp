@@ -36,6 +36,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::part_heard;
 using Rig = test::Autd3Rig;
+using Opened = test::Opened<Rig>;
 using Serving = test::Autd3Serving;
 
 /// Adds a focus, at full amplitude, and the phases of its distances.
@@ -106,8 +107,7 @@ TEST(Autd3Board, PhasesChangeDuringTheWholeSlotAndNoLonger) {
 }
 
 TEST(Autd3Board, ADriveOfNothingSilencesAndSoDoesAPlanOfNothing) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.plan();
   ASSERT_TRUE(rig.sounds());
   rig.board->plan({{{1500, 1500}, monotonic_s(), 1.5e-3}});
@@ -144,8 +144,7 @@ TEST(Autd3Board, AllOffLeavesNothingInEitherMemory) {
 }
 
 TEST(Autd3Board, DrivesWithoutAPlanComeOneByOneAndReplaceEachOther) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   {
     const std::lock_guard hangs(rig.serving->lock);
     for (std::uint64_t s = 1; s < 30; ++s)
@@ -164,8 +163,7 @@ TEST(Autd3Board, DrivesWithoutAPlanComeOneByOneAndReplaceEachOther) {
 }
 
 TEST(Autd3Board, CountsDrivesOnceTheirPlanHasCome) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   const auto counts = [&] { return rig.board->counts(); };
   const auto play = [&](int drives) {
     for (int i = 0; i < drives; ++i, ++rig.slot)
@@ -217,8 +215,7 @@ bool is_modulated(const Rig& rig) {
 }
 
 TEST(Autd3Board, FullAmplitudesTakeHalfTheMessagesAndAModulationOneMore) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   const std::uint64_t before = rig.device().operations();
   for (auto& drive : rig.drives)
     drive.amplitude = 1;
@@ -270,8 +267,7 @@ TEST(Autd3Board, FociOneByOneAtFullAmplitudeAreOneMessage) {
 }
 
 TEST(Autd3Board, FociOneByOneHaveAnIntensityEach) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   for (int p = 0; p < 10; ++p)
     aim(rig, {0.01 * std::cos(p), 0.01 * std::sin(p), 0.1});
   for (std::size_t t = 0; t < rig.drives.size(); ++t)
@@ -349,8 +345,7 @@ TEST(Autd3Board, AllAddressesOfANameAreTried) {
 }
 
 TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.plan();
   ASSERT_TRUE(rig.sounds());
   const std::uint16_t port = rig.serving->port();
@@ -374,8 +369,7 @@ TEST(Autd3Board, AServerThatComesBackIsSilencedBeforeItSounds) {
 }
 
 TEST(Autd3Board, AServerThatComesBackIsModulatedAgain) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   for (auto& drive : rig.drives)
     drive.amplitude = 1;
   rig.plan(200);

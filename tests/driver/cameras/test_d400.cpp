@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "driver/cameras/made_up_cameras.hpp"
@@ -83,6 +85,50 @@ TEST_F(D400, TakesTheRigsDepthUnitAgainAfterItLostPower) {
     EXPECT_FALSE(set.frames.empty());
   });
   EXPECT_EQ(held.depth_table[0], 100u);
+}
+
+/// Each of two unlike cameras gets what its own table says, in both orders, and again when it has lost its power.
+TEST(D400Several, EachIsSetUpAsItsOwnTableSaysAndAgainWhenItIsBack) {
+  sensing::Camera left = d400, right = cameras::test::described("right", 64, 48, 50);
+  left.depth_unit_m = 0.0002;
+  left.device = {.exposure_s = 0.004, .preset = 3};
+  right.device = {.own_lens = false, .exposure_s = 0, .preset = 5};
+  for (const bool swapped : {false, true}) {
+    Machine machine;
+    const D400Unit plain;
+    std::array<D400Unit, 2> held;
+    std::vector<sensing::Camera> wanted{left, right};
+    if (swapped) std::swap(wanted[0], wanted[1]);
+    const std::vector<std::string> nodes{"/dev/video0", "/dev/video2"};
+    for (std::size_t i = 0; i < 2; ++i)
+      make_d400(*machine.plug(nodes[i], std::string(1, static_cast<char>('A' + i))), held[i]);
+    std::unique_ptr<sensing::DepthSource> source;
+    stderr_of([&] { source = open_cameras(machine.kernel(), wanted, nodes, "rig.toml"); });
+    const auto state = [](const D400Unit& unit) {
+      return std::tuple(unit.depth_table, unit.automatic(), unit.exposure_us(), unit.preset());
+    };
+    const std::array before{state(held[0]), state(held[1])};
+    EXPECT_NE(before[0], before[1]);
+    EXPECT_EQ(held[swapped ? 1 : 0].depth_table[0], 200u);
+    EXPECT_EQ(held[swapped ? 0 : 1].depth_table[0], 100u);
+    EXPECT_EQ(held[swapped ? 1 : 0].preset(), 3u);
+    EXPECT_EQ(held[swapped ? 0 : 1].preset(), 5u);
+    sensing::FrameSet set;
+    stderr_of([&] {
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto camera = machine.plugged.at(nodes[i]);
+        machine.unplug(nodes[i]);
+        source->next(set, 0.1);
+        held[i] = plain;
+        make_d400(*machine.plug(nodes[i], camera->node.serial), held[i]);
+        for (int n = 0; n < 40; ++n)
+          source->next(set, 0.1);
+        EXPECT_EQ(state(held[i]), before[i]) << i;
+        const auto& again = *machine.plugged.at(nodes[i]);
+        EXPECT_EQ(std::pair(again.width, again.height), std::pair(wanted[i].width, wanted[i].height));
+      }
+    });
+  }
 }
 
 TEST_F(D400, AUnitThatItKeepsIsRefused) {

@@ -334,6 +334,67 @@ TEST(RealSense, UnpluggedItIsFoundAgainByItsSerialNumberUnlessItsLensHasChanged)
   EXPECT_LE(camera.given, 3);
 }
 
+/// Everything differs between the cameras: each gets what its own table says, in every order, and again when it is
+/// back.
+TEST(RealSense, EachOfUnlikeCamerasIsSetUpAsItsOwnTableSays) {
+  std::vector<sensing::Camera> rig{described("a"), described("b", 128, 72), described("c")};
+  rig[0].device = {.own_lens = true, .exposure_s = 0.004, .preset = 3};
+  rig[1].device = {.exposure_s = 0, .preset = 5};
+  rig[1].depth_unit_m = 0.0005;
+  rig[1].rate_hz = 30;
+  rig[2].rate_hz = 30;
+  rig[2].depth_unit_m = 0.0002;
+  const std::vector<std::string> serials{"A", "B", "C"};
+  for (std::vector<std::size_t> order{0, 1, 2};;) {
+    Bench bench;
+    std::vector<sensing::Camera> wanted;
+    std::string names;
+    for (const std::size_t i : order) {
+      bench.plug(serials[i]).lens.fx += static_cast<double>(i);
+      wanted.push_back(rig[i]);
+      names += (names.empty() ? "" : ",") + serials[i];
+    }
+    std::unique_ptr<sensing::DepthSource> source;
+    stderr_of([&] { source = open(bench, names, wanted); });
+    std::map<std::string, std::vector<std::pair<Option, double>>> told;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MadeUpCamera& camera = *bench.cameras.at(serials[order[i]]);
+      const sensing::Camera &found = source->cameras()[i], &own = rig[order[i]];
+      told[serials[order[i]]] = camera.set;
+      EXPECT_EQ(std::pair(camera.streamed.width, camera.streamed.height), std::pair(own.width, own.height));
+      EXPECT_EQ(camera.streamed.rate_hz, own.rate_hz);
+      EXPECT_EQ(found.name, own.name);
+      EXPECT_EQ(found.depth_unit_m, own.depth_unit_m);
+      EXPECT_EQ(found.fx, own.device.own_lens ? camera.lens.fx : own.fx);
+      const auto set = [&](Option option) {
+        const auto at = std::ranges::find(camera.set, option, &std::pair<Option, double>::first);
+        return at == camera.set.end() ? -1 : at->second;
+      };
+      EXPECT_EQ(set(Option::hardware_preset), own.device.preset ? *own.device.preset : -1);
+      EXPECT_EQ(set(Option::exposure_s), own.device.exposure_s.value_or(0) > 0 ? *own.device.exposure_s : -1);
+      EXPECT_EQ(set(Option::automatic_exposure), own.device.exposure_s ? (*own.device.exposure_s > 0 ? 0 : 1) : -1);
+      EXPECT_NEAR(set(Option::depth_unit_m), own.depth_unit_m, 1e-9);
+    }
+    // Each loses its power, and comes back as it left the factory.
+    sensing::FrameSet frames;
+    stderr_of([&] {
+      for (const std::string& serial : serials) {
+        const auto before = bench.cameras.at(serial);
+        bench.unplug(serial);
+        for (int i = 0; i < 15; ++i)
+          source->next(frames, 0.1);
+        bench.plug(serial).lens = before->lens;
+        for (const double end_s = bench.now_s + 5; bench.now_s < end_s && bench.cameras.at(serial)->starts == 0;)
+          source->next(frames, 0.1);
+        EXPECT_EQ(bench.cameras.at(serial)->set, told.at(serial)) << serial;
+        EXPECT_EQ(bench.cameras.at(serial)->streamed.rate_hz, before->streamed.rate_hz);
+        EXPECT_EQ(bench.cameras.at(serial)->streamed.width, before->streamed.width);
+      }
+    });
+    if (!std::ranges::next_permutation(order).found) break;
+  }
+}
+
 TEST(RealSense, ShortFramesAreLeftOutAndTheirMemoryIsGivenBack) {
   OneCamera one;
   one.begin();

@@ -28,6 +28,7 @@
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/guard/guard.hpp"
+#include "driver/rig_parts.hpp"
 #include "guard_rig.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
@@ -43,6 +44,7 @@ using namespace std::chrono_literals;
 using test::guard_of_ours;
 using test::wait;
 using Rig = test::GuardRig;
+using Opened = test::Opened<Rig>;
 
 /// What a loop does until it ends: a drive in every slot, a plan now and then.
 std::function<void()> plays(Rig& rig, std::chrono::microseconds slot) {
@@ -80,8 +82,7 @@ TEST(Guard, ABoardGetsTheFociOnlyInTheFreeField) {
 }
 
 TEST(Guard, ABoardIsNotToldOfThePausesOfItsPattern) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   const array::Drive silence(rig.drive.size(), {0, 0});
   rig.plan(0, 10);
   rig.send(0);
@@ -97,8 +98,7 @@ TEST(Guard, ABoardIsNotToldOfThePausesOfItsPattern) {
 }
 
 TEST(Guard, PlaysAndCountsWhatIsSentAndEndsInSilence) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   const auto carried = [&] { return rig.link->carried().value(); };
   EXPECT_EQ(carried().guard->drives, 0u);
   rig.plan(0, 10);
@@ -140,8 +140,7 @@ TEST(Guard, DrivesThatItDoesNotTakeInTimeAreMissingInItsCounts) {
 }
 
 TEST(Guard, APlanComesBeforeTheDrivesThatBelongToIt) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   for (std::uint64_t s = 0; s < 200; ++s) {
     rig.plan(s, 1);
     rig.send(s);
@@ -187,8 +186,7 @@ TEST(Guard, ItsNotesAreLogged) {
 }
 
 TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   const auto begin = std::chrono::steady_clock::now();
   rig.send(0);
   ASSERT_TRUE(rig.wrote("off"));
@@ -207,8 +205,7 @@ TEST(Guard, WithoutDrivesItSilencesAndPlaysOnWhenTheyReturn) {
 }
 
 TEST(Guard, APlanWithoutADriveIsSilencedToo) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.plan(0, 10);
   ASSERT_TRUE(rig.ends_with("off"));
   EXPECT_EQ(rig.lines(), (std::vector<std::string>{"open", "plan 0 10", "off"}));
@@ -273,8 +270,7 @@ TEST(Guard, AGuardThatIsStoppedAtTheEndGoesOnAndSilences) {
 }
 
 TEST(Guard, ALoopThatWasStoppedTogetherWithItDoesNotEndIt) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.send_for(10ms);
   const pid_t guard = guard_of_ours();
   kill(guard, SIGSTOP);
@@ -302,8 +298,7 @@ TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
 }
 
 TEST(Guard, WhatABoardThrowsEndsInSilence) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.slot = test::throws_from_slot;
   EXPECT_ERROR(rig.send_for(1min), Exit::failed, "a board must not throw");
   EXPECT_TRUE(rig.ends_with("close"));
@@ -311,8 +306,7 @@ TEST(Guard, WhatABoardThrowsEndsInSilence) {
 }
 
 TEST(Guard, ADriveOfBeforeAPlanIsNotPlayedAfterIt) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.send_for(20ms);
   test::stop(guard_of_ours());
   rig.send(rig.slot);
@@ -325,8 +319,7 @@ TEST(Guard, ADriveOfBeforeAPlanIsNotPlayedAfterIt) {
 }
 
 TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.send(0);
   kill(guard_of_ours(), SIGKILL);
   EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed),
@@ -358,8 +351,7 @@ TEST(Guard, AGuardThatIsToldToLeaveSilencesFirst) {
 }
 
 TEST(Guard, SignalsThatAreForTheLoopDoNotEndIt) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   const pid_t guard = guard_of_ours();
   EXPECT_EQ(getsid(guard), guard);
   rig.send(0);
@@ -380,8 +372,7 @@ TEST(Guard, ABoardThatMayNotHaveHeardTheLastSilenceIsReported) {
 }
 
 TEST(Guard, ALinkThatIsDroppedLeavesSilence) {
-  Rig rig;
-  rig.open();
+  Opened rig;
   rig.send(0);
   rig.link.reset();
   rig.expect_silent_end();
@@ -422,8 +413,7 @@ TEST(Guard, GoesBeforeOtherProgramsWhereThatIsAllowed) {
   int status = 0;
   waitpid(asks, &status, 0);
   const auto allowed = static_cast<Scheduling>(WEXITSTATUS(status));
-  Rig rig;
-  rig.open();
+  Opened rig;
   EXPECT_EQ(scheduling_of(guard_of_ours()), allowed);
   EXPECT_EQ(rig.link->carried()->guard_scheduling, allowed) << "what a run reports";
 }
@@ -432,8 +422,7 @@ TEST(Guard, ItsMemoryStaysInMemoryWhereThatIsAllowed) {
   if (mlockall(MCL_CURRENT) != 0) GTEST_SKIP() << "skipped: this machine allows no locked memory (ulimit -l)";
   munlockall();
   if (test::instrumented()) GTEST_SKIP() << "skipped: sanitizers lock no memory";
-  Rig rig;
-  rig.open();
+  Opened rig;
   const std::string status = "/proc/" + std::to_string(guard_of_ours()) + "/status";
   EXPECT_TRUE(test::begins([&] {
     const std::string text = test::read_text(status);

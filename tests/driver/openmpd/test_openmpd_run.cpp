@@ -42,10 +42,10 @@ TEST(OpenMpdRun, TwoBoardsHearALoopToItsSilentEnd) {
   Emulation emulation("openmpd-run", "EMU1,EMU2", {"--trace", "-"});
   write_text(emulation.folder() / "board_1.pat", board_file_text("EMU1", made_up_calibration(1)));
   const RunOptions options{.environment = emulation.environment()};
-  const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1,EMU2", "openmpd-pair")),
-                                   {"--frames", "30", "--json", "-", "--board-files", emulation.folder().string()}),
-                              options);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result =
+      succeeded(palpa(with(with({"run"}, run_to("openmpd:EMU1,EMU2", "openmpd-pair")),
+                           {"--frames", "30", "--json", "-", "--board-files", emulation.folder().string()}),
+                      options));
   EXPECT_CONTAINS(result.err, "no file in");
   // In addition to any real boards.
   const Result doctor = palpa({"doctor", "--json", "-"}, options);
@@ -77,8 +77,7 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   const std::string text = read_text(paper);
   write_text(cameras, text.substr(0, text.find("[array]")));
   const auto beside_a_rig = [&] {
-    const Result two = run("openmpd:EMU1,EMU2", cameras);
-    EXPECT_EQ(two.exit_code, 0) << two.err;
+    const Result two = succeeded(run("openmpd:EMU1,EMU2", cameras));
     EXPECT_CONTAINS(two.err, "--link openmpd:EMU1,EMU2: palpa uses the link's own array, --layout openmpd-pair,");
     EXPECT_CONTAINS(two.err, "nor " + cameras.string() + " names one");
     // A rig that names an array takes precedence over the link.
@@ -88,10 +87,9 @@ TEST(OpenMpdRun, WithoutALayoutItIsThatOfTheLinksOwnBoards) {
   };
   const auto of_a_nudge = [&] {
     const auto nudged = emulation.folder() / "nudged.toml";
-    const Result result = palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU3", "--keys",
-                                 "right enter", "--out", nudged.string()},
-                                options);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(palpa({"calibrate", "--nudge", "--backend", "cpu", "--link", "openmpd:EMU3", "--keys", "right enter",
+                     "--out", nudged.string()},
+                    options));
     EXPECT_CONTAINS(read_text(nudged), "layout = \"openmpd\"");
   };
   side_by_side({beside_a_rig, of_a_nudge});
@@ -102,10 +100,9 @@ TEST(OpenMpdRun, ItsStatisticsSayWhatTheWireCarried) {
   const auto trace = scratch_folder("openmpd-counts-trace") / "wire.jsonl";
   Emulation emulation("openmpd-counts", "EMU1", {"--trace", trace.string()});
   const RunOptions options{.environment = emulation.environment()};
-  const Result result =
+  const Result result = succeeded(
       palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--frames", "30", "--steps", "off", "--json", "-"}),
-            options);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+            options));
   emulation.end();
   const std::uint64_t heard = heard_in(trace).sounding;
   const json drives = json::parse(result.out)["hand_over"]["drives"];
@@ -186,9 +183,9 @@ TEST(OpenMpdRun, FociThatStandStillHaveFineSlotsUnlessTheLineSaysOtherwise) {
   Emulation emulation("openmpd-still", "EMU1");
   const RunOptions options{.environment = emulation.environment()};
   const auto slot_s = [&](const std::vector<std::string>& more) {
-    const Result result = palpa(
-        with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), with({"--frames", "20", "--json", "-"}, more)), options);
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(
+        palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), with({"--frames", "20", "--json", "-"}, more)),
+              options));
     const json stats = json::parse(result.out);
     EXPECT_TRUE(stats.contains("audible_dba")) << "something was touched";
     const json& drives = stats["drives"];
@@ -214,12 +211,11 @@ TEST(OpenMpdRun, TheFactorsOfABoardsFileAndRequestedPressuresCountAsOnTheWire) {
     const RunOptions options{.environment = emulation.environment()};
     const std::vector<std::string> how =
         requests ? std::vector<std::string>{"--pressure", "300"} : std::vector<std::string>{"--ceiling", "0.04"};
-    const Result result = palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")),
-                                     with({"--frames", "30", "--json", "-", "--method", "single-focus", "--steps",
-                                           "off", "--board-files", emulation.folder().string()},
-                                          how)),
-                                options);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa(with(with({"run"}, run_to("openmpd:EMU1", "openmpd")),
+                                               with({"--frames", "30", "--json", "-", "--method", "single-focus",
+                                                     "--steps", "off", "--board-files", emulation.folder().string()},
+                                                    how)),
+                                          options));
     emulation.end();
     const json stats = json::parse(result.out);
     const std::uint64_t heard = heard_in(trace).sounding;
@@ -242,10 +238,9 @@ TEST(OpenMpdRun, ASensationIsHeardToItsSilentEnd) {
     const auto trace = scratch_folder("openmpd-sensation-trace") / "wire.jsonl";
     Emulation emulation("openmpd-sensation", "EMU1", {"--trace", trace.string()});
     const RunOptions options{.environment = emulation.environment()};
-    const Result result = palpa({"play", "circle", "--link", "openmpd:EMU1", "--duration", "500ms", "--dwell", "0.5ms",
-                                 "--ceiling", "0.5", "--json", "-", "--steps", steps ? "on" : "off"},
-                                options);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa({"play", "circle", "--link", "openmpd:EMU1", "--duration", "500ms", "--dwell",
+                                           "0.5ms", "--ceiling", "0.5", "--json", "-", "--steps", steps ? "on" : "off"},
+                                          options));
     const json report = emulation.end();
     EXPECT_EQ(report["boards"][0]["violation_count"], 0) << report;
     EXPECT_FALSE(report["boards"][0]["sounds"].get<bool>());
@@ -266,10 +261,9 @@ TEST(OpenMpdRun, LinkTestPlaysOneTransducerAfterTheOther) {
   const auto trace = scratch_folder("openmpd-trace") / "wire.jsonl";
   Emulation emulation("openmpd-test", "EMU1", {"--trace", trace.string()});
   const RunOptions options{.environment = emulation.environment()};
-  const Result result = palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1", "--first", "64",
-                               "--last", "65", "--each", "60ms", "--rest", "40ms"},
-                              options);
-  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(palpa({"link", "test", "--layout", "openmpd", "--link", "openmpd:EMU1", "--first",
+                                         "64", "--last", "65", "--each", "60ms", "--rest", "40ms"},
+                                        options));
   EXPECT_CONTAINS(result.out, "65 at -36.8, 68.2, 0.0 mm");
   emulation.end();
   std::string hex;

@@ -35,6 +35,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::some_drive;
 using Rig = test::SonicSurfaceRig;
+using Opened = test::Opened<Rig>;
 
 std::vector<std::uint8_t> frame_of(const Encoder& encoder, const array::Drive& drive) {
   std::vector<std::uint8_t> frame(encoder.size());
@@ -246,8 +247,7 @@ TEST(SonicSurfaceBoard, PlaysTheNewestDriveAndSilenceAtOnce) {
 
 TEST(SonicSurfaceBoard, BetweenPatternsItsOwnBoardIsSilencedAndAtTheEndAllAre) {
   PALPA_TERMINAL_OR_SKIP();
-  Rig rig;
-  rig.open();
+  Opened rig;
   const auto silent = [&] { return rig.silent(); };
   std::uint64_t all = 0;
   const auto bytes_of = [&](const auto& act, const auto& done) {
@@ -333,8 +333,7 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
 
 TEST(SonicSurfaceBoard, SilenceDoesNotWaitBehindWhatTheKernelStillHas) {
   PALPA_TERMINAL_OR_SKIP();
-  Rig rig;
-  rig.open();
+  Opened rig;
   EXPECT_TRUE(rig.becomes_silent());
   EXPECT_TRUE(rig.comes_to_rest());
   const std::uint64_t before = rig.machine.bytes();
@@ -381,8 +380,7 @@ TEST(SonicSurfaceEmulator, TakesAllThatWasWrittenBeforeTheLineIsClosed) {
 /// A pseudo terminal takes some frames more than its reader, as an adapter does that hangs.
 TEST(SonicSurfaceBoard, CountsNothingWhileTheLineTakesNoBytes) {
   PALPA_TERMINAL_OR_SKIP();
-  Rig rig;
-  rig.open();
+  Opened rig;
   EXPECT_TRUE(rig.becomes_silent());
   rig.end();
   std::uint64_t slot = 0, since = 0;

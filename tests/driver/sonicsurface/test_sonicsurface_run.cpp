@@ -33,9 +33,8 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
   SonicSurfaceLine line, of_the_link_alone, of_long_dwells;
   const auto link = [](const SonicSurfaceLine& to) { return "sonicsurface:" + to.path(); };
   const auto as_asked = [&] {
-    const Result result =
-        palpa_on_free_line(with(run_to_board(link(line), "sonicsurface"), {"--method", "single-focus", "--json", "-"}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(palpa_on_free_line(
+        with(run_to_board(link(line), "sonicsurface"), {"--method", "single-focus", "--json", "-"})));
     expect_counts(result.out);
   };
   // Only the link names the array, and no option names a method: the small rig without its array.
@@ -43,16 +42,14 @@ TEST(SonicSurfaceRun, ABoardHearsASingleFocusToItsSilentEnd) {
   const std::string small_rig = read_text(source_file("tests/cli/support/small_rig.toml"));
   write_text(rig, small_rig.substr(0, small_rig.find("[array]")));
   const auto as_the_link_says = [&] {
-    const Result chosen = palpa_on_free_line({"run", "--scene", source_file("assets/cube.glb").string(), "--source",
-                                              "synthetic", "--rig", rig.string(), "--noise-free", "--frames", "30",
-                                              "--hold", "500ms", "--link", link(of_the_link_alone)});
-    EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+    const Result chosen = succeeded(palpa_on_free_line(
+        {"run", "--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--rig", rig.string(),
+         "--noise-free", "--frames", "30", "--hold", "500ms", "--link", link(of_the_link_alone)}));
     EXPECT_CONTAINS(chosen.err, "takes 11.3 ms for each focus");
     EXPECT_CONTAINS(chosen.err, "palpa plays --method single-focus");
   };
   const auto slowly = [&] {
-    const Result slow = palpa(with(run_to_board(link(of_long_dwells), "sonicsurface"), {"--dwell", "12ms"}));
-    EXPECT_EQ(slow.exit_code, 0) << slow.err;
+    const Result slow = succeeded(palpa(with(run_to_board(link(of_long_dwells), "sonicsurface"), {"--dwell", "12ms"})));
     EXPECT_EQ(slow.err.find("single-focus"), std::string::npos) << "this dwell time can be played: " << slow.err;
   };
   side_by_side({as_asked, as_the_link_says, slowly});

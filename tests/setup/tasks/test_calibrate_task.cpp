@@ -65,15 +65,5 @@ TEST(TargetMount, TurnsCounterClockwiseSeenFromAbove) {
   EXPECT_EQ(Vec3(moved[3]), Vec3(0.01, 0.02, 0.03));
 }
 
-TEST(CalibrateTask, RefusesTooManyFramesAndIdleOptions) {
-  setup::CalibrateTask task;
-  task.frames = 101;
-  EXPECT_ERROR(setup::calibrate(task, {}), Exit::usage, "--frames 101: at most 100");
-  task.frames = 0;
-  task.noise_free = true;
-  task.source = "recording:x";
-  EXPECT_ERROR(setup::calibrate(task, {}), Exit::usage, "--noise-free goes with");
-}
-
 }  // namespace
 }  // namespace palpa::test

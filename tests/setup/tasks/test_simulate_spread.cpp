@@ -140,15 +140,6 @@ TEST(SimulateSpread, OfPhasesFollowsTheFormula) {
   EXPECT_LT(spread.langevin.peak_pa.p95, spot.peak_pa);
 }
 
-TEST(SimulateSpread, IsTheSameForTheSameSeed) {
-  const Ball ball;
-  const Spread spread{.phase_rad = 0.2, .temperature = 2};
-  const SimulateSpread a = ball.with(spread, {20, 1}), b = ball.with(spread, {20, 1}), c = ball.with(spread, {20, 2});
-  EXPECT_EQ(a.force[2].p05, b.force[2].p05);
-  EXPECT_EQ(a.langevin.peak_pa.p95, b.langevin.peak_pa.p95);
-  EXPECT_NE(a.force[2].p05, c.force[2].p05);
-}
-
 /// At the end of the range of temperatures, some of the five coincide.
 TEST(SimulateSpread, StaysWithinTheRangeOfTemperatures) {
   Ball ball;

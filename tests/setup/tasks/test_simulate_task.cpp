@@ -78,17 +78,10 @@ TEST(SimulateTask, TakesAFingerFromMemoryAndKeepsItsEquations) {
   EXPECT_REFUSED(setup::FingerBody("a ball", open, setup::air({}, {})), "a ball: the mesh is open");
 }
 
-TEST(SimulateTask, ChecksWhatDoesNotGoTogether) {
+TEST(SimulateTask, APenetrationIsANumber) {
   setup::SimulateTask options;
-  options.noise_free = true;
-  EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--skin cameras");
-  options.skin = setup::Skin::cameras;
-  setup::check(options);
   options.penetration_m = std::numeric_limits<double>::quiet_NaN();
   EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--penetration: out of range");
-  options.penetration_m = 3e-3;
-  options.touch.spot_m = 4e-3;
-  EXPECT_CONTAINS(error_of([&] { setup::check(options); }, Exit::usage), "--spot goes with");
 }
 
 }  // namespace

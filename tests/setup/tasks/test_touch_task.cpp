@@ -63,15 +63,6 @@ TEST(TouchTask, NothingTouchedIsNoError) {
   EXPECT_FALSE(result.unreached);
 }
 
-TEST(TouchTask, ChecksWhatDoesNotGoTogether) {
-  setup::TouchTask options;
-  options.touch.stride = 5;
-  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "stride");
-  options = {};
-  options.compute = {.gpu = "1", .backend = setup::Backend::cpu};
-  EXPECT_CONTAINS(error_of([&] { setup::check(options, false); }, Exit::usage), "--backend cpu uses no GPU");
-}
-
 TEST(TouchTask, ChecksTheRangesThatTheCommandLineHas) {
   const auto refused = [](const auto& change, const char* option) {
     setup::TouchTask options;

@@ -35,19 +35,6 @@ class ClustersOfContacts : public OnBothBackends {
 };
 INSTANTIATE_TEST_SUITE_P(, ClustersOfContacts, ::testing::Values(Backend::cpu, Backend::gpu), backend_name);
 
-TEST_P(ClustersOfContacts, AreExactClustersOfRandomPoints) {
-  unsigned seed = 1;
-  for (const std::uint32_t count : {2U, 3U, 10U, 100U, 1000U, 4000U}) {
-    for (const double gap : {1e-3, 3e-3, 6e-3, 12e-3, 50e-3, 1.0}) {
-      SCOPED_TRACE(count);
-      SCOPED_TRACE(gap);
-      expect_exact(random_points(count, Vec3(-0.05), Vec3(0.05), ++seed), gap);
-    }
-  }
-  expect_exact(random_points(3000, {-0.05, 0.01, -0.05}, {0.05, 0.01, 0.05}), 2e-3);  // a plane
-  expect_exact(random_points(500, {-0.05, 0.01, 0.02}, {0.05, 0.01, 0.02}), 2e-4);    // a line
-}
-
 TEST_P(ClustersOfContacts, TiesAtTheToleranceAreTogether) {
   // Coordinates that single precision holds exactly, 3-4-5 triangles included.
   const float gap = 0.078125F, unit = gap / 5;
@@ -60,21 +47,6 @@ TEST_P(ClustersOfContacts, TiesAtTheToleranceAreTogether) {
                                       {-1, std::nextafter(gap, 1.0F), 0}};
   const Touch touch = run(points, everything_is_contact(gap));
   EXPECT_EQ(finger_of_contacts(touch), (std::vector<int>{0, 0, 0, 1, 1, 2, 3}));
-}
-
-TEST_P(ClustersOfContacts, TiesOnALatticeAreTogetherInEveryDirection) {
-  const double gap = 0.03125;
-  for (const double stretch : {1.0, 1.0 + 0x1p-10}) {
-    std::vector<glm::vec3> points;
-    points.reserve(4096);
-    for (int i = 0; i < 12 * 12 * 12; ++i) {
-      points.emplace_back(stretch * gap * (lattice(i, 12) - 6.0));
-    }
-    FingerOptions parameters = everything_is_contact(gap, 1);
-    const Touch touch = run(points, parameters);
-    EXPECT_EQ(touch.cluster_count, stretch == 1.0 ? 1u : 1728u);
-    EXPECT_EQ(touch.finger_count, stretch == 1.0 ? 1u : max_fingers);
-  }
 }
 
 TEST_P(ClustersOfContacts, NeedMinPoints) {
@@ -118,52 +90,6 @@ TEST_P(ClustersOfContacts, OfDifferentSolidsNeverMix) {
   const Touch touch = touch_on(GetParam(), points, solids, parameters);
   EXPECT_EQ(touch.finger_count, 2u);
   EXPECT_EQ(not_regions(touch, parameters), "");
-}
-
-TEST_P(ClustersOfContacts, AllInOnePlaceAreOne) {
-  const std::vector<glm::vec3> points(5000, glm::vec3(0.1F, 0.2F, 0.3F));
-  const Touch touch = run(points, everything_is_contact(1e-3));
-  ASSERT_EQ(touch.finger_count, 1u);
-  EXPECT_EQ(touch.fingers[0].contacts.size(), points.size());
-}
-
-/// A ball of contacts and a cap of a shell around it, `size` each, just out of the ball's reach: no plane and no box
-/// tells them apart. With `bridged` two more, one of each, that alone are in reach.
-std::vector<glm::vec3> ball_and_cap(int size, double gap, bool bridged) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> unit(-1, 1);
-  const auto direction = [&] {
-    for (;;) {
-      const double x = unit(random), y = unit(random), z = unit(random);
-      if (const Vec3 d(x, y, z); glm::length(d) < 1 && glm::length(d) > 0.1) return glm::normalize(d);
-    }
-  };
-  const Vec3 middle(0.5), ball(0.02 * gap), cap(1.021 * gap);
-  std::vector<glm::vec3> points;
-  points.reserve(4096);
-  for (int i = 0; i < size; ++i) {
-    Vec3 d = direction();
-    points.emplace_back(gap * middle + ball * d);
-    while (d.x + d.y + d.z < 0.5)
-      d = direction();
-    points.emplace_back(gap * middle + cap * d);
-  }
-  if (bridged) {
-    const Vec3 d = glm::normalize(Vec3(1, 0.8, 1.2));
-    points.insert(points.begin() + size, glm::vec3(gap * middle + ball * d));
-    points.insert(points.begin() + size / 2, glm::vec3(gap * middle + 0.999 * cap * d - 0.001 * ball * d));
-  }
-  return points;
-}
-
-TEST_P(ClustersOfContacts, CrowdsThatNothingButEveryPairTellsApart) {
-  const double gap = 10e-3;
-  for (const int size : {300, 1000, 4000}) {
-    for (const bool bridged : {false, true}) {
-      const Touch touch = run(ball_and_cap(size, gap, bridged), everything_is_contact(gap));
-      EXPECT_EQ(touch.cluster_count, bridged ? 1U : 2U) << size << (bridged ? ", bridged" : "");
-    }
-  }
 }
 
 /// Pairs of tight crowds just out of each other's reach, in every direction and place relative to the cells; with

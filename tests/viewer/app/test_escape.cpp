@@ -55,6 +55,43 @@ TEST_F(Escape, LetsGoOfASliderAndLeavesItsValue) {
   EXPECT_FALSE(says("Q quits")) << "the slider was innermost";
 }
 
+struct EscapeInFields : LiveAppWithPanels {
+  EscapeInFields() : LiveAppWithPanels({900, 1600}) {}
+};
+
+/// What was typed into a field, or opened, is gone, and no other run begins.
+TEST_F(EscapeInFields, LeavesWhatWasTypedIntoAFieldOrOpenedAsItWas) {
+  ASSERT_TRUE(comes_to(LiveState::running));
+  click("Run");
+  click("Touch");
+  const std::string before = app_->data().content.edit.command();
+  const int runs = went_live_;
+  int tried = 0;
+  draw();
+  const auto named = app_->data().places.named;
+  for (const auto& [name, first] : named) {
+    if (!name.starts_with("--") || name.ends_with(" reset") || name.ends_with(" file")) continue;
+    const auto area = place_of_widget(name);
+    if (!area || area->bottom > size_.height || area->top < 40) continue;
+    SCOPED_TRACE(name);
+    click(*area);
+    if (app_->data().content.edit.command() != before) {  // a switch
+      click(*area);
+    } else {
+      ++tried;
+      send({.kind = Kind::text, .text = "7"});
+      draw();
+      EXPECT_EQ(app_->data().content.edit.command(), before) << "not yet finished";
+      tap(Key::escape);
+    }
+    EXPECT_EQ(app_->data().content.edit.command(), before);
+    EXPECT_FALSE(says("Q quits"));
+  }
+  EXPECT_GT(tried, 5) << "of " << named.size();
+  EXPECT_EQ(went_live_, runs);
+  EXPECT_EQ(state(), LiveState::running);
+}
+
 TEST_F(Escape, QuittingTakesTwoPressesWhileTheArraySoundsAndOneInSilence) {
   ASSERT_TRUE(comes_to_sound());
   key('q');

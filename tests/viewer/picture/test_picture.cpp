@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 #include <tuple>
 #include <vector>
@@ -107,6 +108,42 @@ TEST(Picture, CamerasAreFrustaInTheWorld) {
   EXPECT_NEAR(picture.cameras[0].corners[0].x, 1 - 0.08, 1e-6);
   EXPECT_NEAR(picture.cameras[0].corners[2].y, 2 + 0.04, 1e-6);
   EXPECT_NEAR(picture.cameras[0].corners[1].z, 3.08, 1e-6);
+}
+
+/// Unlike cameras and boards are each drawn as alone.
+TEST(Picture, EachOfSeveralCamerasAndBoardsHasItsOwnMark) {
+  std::vector<sensing::Camera> cameras{test::pinhole("left", 800, 400, 400), test::pinhole("right", 64, 48, 30),
+                                       test::pinhole("tall", 100, 300, 200)};
+  std::vector<sensing::DepthFrame> frames(3);
+  array::Layout layout;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double own = static_cast<double>(i);
+    cameras[i].T_world_camera = glm::rotate(Transform(1), 0.3 + own, Vec3(1, own, 2));
+    cameras[i].T_world_camera[3] = Vec4(own, 2 - own, 3 + own, 1);
+    cameras[i].cx += 3 + own;
+    cameras[i].depth_unit_m = 1e-3 * (1 + own);
+    frames[i].depth.assign(sensing::pixel_count(cameras[i]), static_cast<std::uint16_t>(300 + 100 * i));
+    layout.boards.push_back({"openmpd", 0, 0, 0.1 + own, 0.2 + 3 * own, cameras[i].T_world_camera});
+  }
+  Picture all;
+  show_array(all, layout);
+  show_cameras(all, cameras);
+  show_depth(all, cameras, frames);
+  ASSERT_EQ(all.images.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Picture alone;
+    array::Layout one;
+    one.boards = {layout.boards[i]};
+    show_array(alone, one);
+    show_cameras(alone, std::span(&cameras[i], 1));
+    show_depth(alone, std::span(&cameras[i], 1), std::span(&frames[i], 1));
+    EXPECT_EQ(all.boards[i], alone.boards[0]);
+    EXPECT_EQ(all.cameras[i].name, cameras[i].name);
+    EXPECT_EQ(all.cameras[i].apex, alone.cameras[0].apex);
+    EXPECT_EQ(all.cameras[i].corners, alone.cameras[0].corners);
+    EXPECT_EQ(all.images[i].corners, alone.images[0].corners);
+    EXPECT_EQ(all.images[i].pixels, alone.images[0].pixels);
+  }
 }
 
 TEST(Picture, ExtentsGrowFromTouchToAll) {

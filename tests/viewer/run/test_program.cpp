@@ -43,8 +43,7 @@ class Viewer : public DrawingTest {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   /// The bytes of the picture of a line, drawn within this process; it is in "shot.png" then.
   std::string shot(const Line& line) {
-    const Result run = viewer_here(with(line, {"--quiet", "--screenshot", path("shot.png")}));
-    EXPECT_EQ(run.exit_code, 0) << run.err;
+    succeeded(viewer_here(with(line, {"--quiet", "--screenshot", path("shot.png")})));
     return read_text(folder_ / "shot.png");
   }
   drawing::Pixels pixels(const Line& line) {
@@ -72,8 +71,7 @@ class Viewer : public DrawingTest {
 TEST_F(Viewer, TheSameCommandGivesTheSameBytesWithoutADisplayOnEitherBackend) {
   const Line same{"--frames", "3", "--skin", source_file("assets/finger.ply").string()};
   for (const char* name : {"a.png", "b.png"}) {
-    const Result run = viewer(cube_touch(with(same, {"--headless", "--screenshot", path(name)})));
-    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const Result run = succeeded(viewer(cube_touch(with(same, {"--headless", "--screenshot", path(name)}))));
     EXPECT_EQ(run.err, "");
   }
   EXPECT_EQ(read_text(folder_ / "a.png"), read_text(folder_ / "b.png"));
@@ -86,9 +84,9 @@ TEST_F(Viewer, BrokenSettingsAreToldInOneLineWithoutAWindow) {
   std::filesystem::create_directory(folder_ / "palpa");
   const auto warned = [&](const std::string& text) {
     write_text(folder_ / "palpa" / "viewer.toml", text);
-    const Result run = run_program(PALPA_VIEWER_BINARY, {"--headless", "--layout", "openmpd", "--size", "64x64"},
-                                   {{{"DISPLAY", ""}, {"XDG_CONFIG_HOME", folder_.string()}}});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const Result run =
+        succeeded(run_program(PALPA_VIEWER_BINARY, {"--headless", "--layout", "openmpd", "--size", "64x64"},
+                              {{{"DISPLAY", ""}, {"XDG_CONFIG_HOME", folder_.string()}}}));
     return run.err_lines();
   };
   EXPECT_TRUE(warned("dark = true\n").empty());
@@ -100,14 +98,12 @@ TEST_F(Viewer, BrokenSettingsAreToldInOneLineWithoutAWindow) {
 
 TEST_F(Viewer, ALiveRunIsDrawnAndScripted) {
   const Line live = with(synthetic_, {"--size", "400x300"});
-  const Result run = viewer(with(live, {"--frames", "2", "--screenshot", path("p.png")}));
-  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Result run = succeeded(viewer(with(live, {"--frames", "2", "--screenshot", path("p.png")})));
   EXPECT_EQ(drawing::read_png(path("p.png")).width, 400u);
   EXPECT_CONTAINS(run.out, "frame to drives: median ") << "as palpa run ends";
   const std::string played =
       script("draw 2\nkey 7\nclick 100 100\nkey h\ndraw 2\nkey o\ndraw\nshot " + path("early.png") + "\n");
-  const Result scripted = viewer_here(with(live, {"--backend", "cpu", "--quiet", "--panels", "--interact", played}));
-  EXPECT_EQ(scripted.exit_code, 0) << scripted.err;
+  succeeded(viewer_here(with(live, {"--backend", "cpu", "--quiet", "--panels", "--interact", played})));
   EXPECT_GT(drawing::mean_difference(drawing::read_png(path("p.png")), drawing::read_png(path("early.png"))), 0.02)
       << "panels and sheet";
 }
@@ -148,13 +144,12 @@ TEST_F(Viewer, APictureOfARunWaitsForATouchAndForItsSound) {
 TEST_F(Viewer, APictureThatWaitedForNothingSaysHowFarTheSkinWas) {
   const Line take{"run",          "--scene",   cube_, "--frames", "5",          "--every-frame",
                   "--noise-free", "--backend", "cpu", "--record", path("take"), "--quiet"};
-  ASSERT_EQ(palpa(take).exit_code, 0);
+  succeeded(palpa(take));
   const geometry::SceneMesh low{"low", test::box({-0.02, -0.12, -0.02}, {0.02, -0.08, 0.02})};
   geometry::write_glb(folder_ / "low.glb", std::span(&low, 1));
-  const Result run =
+  const Result run = succeeded(
       viewer({"--scene", path("low.glb"), "--source", "recording:" + path("take"), "--layout", "autd3", "--headless",
-              "--backend", "cpu", "--size", "320x200", "--every-frame", "--screenshot", path("p.png")});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
+              "--backend", "cpu", "--size", "320x200", "--every-frame", "--screenshot", path("p.png")}));
   const std::string before = "nothing touched while the picture waited, for up to 5 s: the nearest skin is ";
   const std::size_t at = run.err.find(before);
   ASSERT_NE(at, std::string::npos) << run.err;
@@ -173,8 +168,7 @@ TEST_F(Viewer, AFingersSkinOnThePointsOfAHandIsTold) {
   Line line = cube_touch({"--headless", "--skin", source_file("assets/finger.ply").string()});
   EXPECT_EQ(viewer(line).err, "");
   line[3] = path("hand.ply");
-  const Result run = viewer(line);
-  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Result run = succeeded(viewer(line));
   EXPECT_CONTAINS(run.err, "finger.ply is not the surface of --points " + path("hand.ply"));
 }
 
@@ -187,8 +181,7 @@ TEST_F(Viewer, FramesAdvanceTheRunningFocusAndAVideoIsEveryFrame) {
   EXPECT_NE(second, first);
   EXPECT_EQ(shot(touch({"--slot", "1"})), second);
   const Line filming{"--frames", "11", "--video", path("film"), "--screenshot", path("last.png")};
-  const Result filmed = viewer(touch(filming));
-  ASSERT_EQ(filmed.exit_code, 0) << filmed.err;
+  const Result filmed = succeeded(viewer(touch(filming)));
   EXPECT_CONTAINS(filmed.out, path("film"));
   EXPECT_EQ(pictures_in(path("film")), 11);
   EXPECT_EQ(read_text(path("film/000001.png")), second);
@@ -256,7 +249,7 @@ TEST_F(Viewer, EveryOptionOfThePictureHasItsEffect) {
     }
     EXPECT_EQ(shots[each.one] == shots[each.other], each.same) << each.one.back() << ", " << each.other.back();
   }
-  ASSERT_EQ(viewer(with(bare, {"--quiet", "--screenshot", path("b.png")})).exit_code, 0);
+  succeeded(viewer(with(bare, {"--quiet", "--screenshot", path("b.png")})));
   EXPECT_EQ(read_text(path("b.png")), shots[bare]) << "the program draws the same bytes";
 }
 
@@ -266,7 +259,7 @@ TEST_F(Viewer, AParticipantsPictureIsOfBothEyesAndKeepsAnOddSize) {
                 "--stereo",      stereo};
   };
   EXPECT_GT(drawing::mean_difference(pixels(line("columns", "320x180")), pixels(line("none", "320x180"))), 0.002);
-  ASSERT_EQ(viewer(with(line("top-bottom", "321x181"), {"--screenshot", path("odd.png")})).exit_code, 0);
+  succeeded(viewer(with(line("top-bottom", "321x181"), {"--screenshot", path("odd.png")})));
   for (const drawing::Pixels& odd : {pixels(line("side-by-side", "321x181")), drawing::read_png(path("odd.png"))})
     EXPECT_TRUE(odd.width == 321 && odd.height == 181) << odd.width << "x" << odd.height;
 }
@@ -277,7 +270,7 @@ TEST_F(Viewer, AScriptThatEndsWhileARunLoadsIsNoSuccess) {
   Line absent = live;
   absent[1] = path("absent.glb");
   expect_failure(viewer_here(absent), 4, "absent.glb");
-  EXPECT_EQ(viewer_here(live).exit_code, 0);
+  succeeded(viewer_here(live));
   const drawing::Pixels shot = drawing::read_png(path("shot.png"));
   std::uint32_t drawn = 0;
   for (std::uint32_t y = 0; y < shot.height; ++y) {
@@ -307,7 +300,7 @@ TEST_F(Viewer, AScriptThatEndsWhileADroppedFileLoadsSaysWhichPictureIsMissing) {
 
 TEST_F(Viewer, ComparesWithAReference) {
   const auto compared = [&](const Line& drawn, const Line& more, const char* size = "320x200") {
-    EXPECT_EQ(viewer_here(host_touch(with(drawn, {"--screenshot", path("other.png"), "--quiet"}), size)).exit_code, 0);
+    succeeded(viewer_here(host_touch(with(drawn, {"--screenshot", path("other.png"), "--quiet"}), size)));
     return viewer_here(host_touch(with(more, {"--reference", path("other.png"), "--quiet"})));
   };
   EXPECT_EQ(compared({}, {"--threshold", "0"}).exit_code, 0);
@@ -317,8 +310,7 @@ TEST_F(Viewer, ComparesWithAReference) {
 }
 
 TEST_F(Viewer, ReportsAsJson) {
-  const Result run = viewer(host_touch({"--frames", "2", "--json", "-"}));
-  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Result run = succeeded(viewer(host_touch({"--frames", "2", "--json", "-"})));
   const auto json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json["frames"], 2);
   EXPECT_EQ(json["width"], 320);
@@ -391,8 +383,7 @@ TEST_F(Viewer, CompletesAStudyWithoutADisplay) {
   EXPECT_CONTAINS(text.substr(last), "finish");
   write_text(journal, text.substr(0, last));
   const Line line{"--study", file, "--participant", "1", "--out", path("study"), "--rehearse", "0.5"};
-  const Result completed = viewer(line);
-  EXPECT_EQ(completed.exit_code, 0) << completed.err;
+  const Result completed = succeeded(viewer(line));
   EXPECT_CONTAINS(completed.out, "participant 1: 31 of 31 steps complete");
   EXPECT_CONTAINS(read_text(journal).substr(last), "finish");
   expect_failure(viewer(line), 2, "participant 1 has finished");

@@ -21,26 +21,6 @@
 
 namespace palpa::test {
 
-inline constexpr const char* all_blocks = R"(
-[[block]]
-kind = "familiarise"
-[[block]]
-kind = "free"
-touch_s = 0.1
-[[block]]
-kind = "practice"
-shapes = ["cube"]
-feedback = true
-[[block]]
-kind = "trial"
-[[block]]
-kind = "practice"
-repeats = 2
-[[block]]
-kind = "rest"
-rest_s = 0.05
-)";
-
 /// The finger is pressed this far below the top of the objects.
 inline std::atomic<double> finger_depth_m{3e-3};
 

@@ -72,7 +72,7 @@ class ConductorTest : public testing::Test {
 };
 
 TEST_F(ConductorTest, AWholeStudyKilledTwiceHasTheAnswersOfOneThatIsNot) {
-  prepare(test::all_blocks);
+  prepare(test::all_blocks());
   for (const std::size_t steps : {5, 16, 1000}) {
     bench_->begin();
     const std::size_t before = bench_->sitting().agenda().complete();

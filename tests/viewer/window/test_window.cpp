@@ -62,16 +62,13 @@ class Window : public ScreenTest {
   /// As a user does. It must end well. Returns what it has said.
   std::string close() {
     hand_->close();
-    const Result result = running_.get();
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Result result = succeeded(running_.get());
     return result.err;
   }
   /// What a line draws without a window.
   XHand::Picture drawn(const Line& words) const {
     const std::string file = (folder_ / "drawn.png").string();
-    const Result result =
-        run_program(PALPA_VIEWER_BINARY, with(words, {"--headless", "--quiet", "--screenshot", file}));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    succeeded(run_program(PALPA_VIEWER_BINARY, with(words, {"--headless", "--quiet", "--screenshot", file})));
     const drawing::Pixels pixels = drawing::read_png(file);
     XHand::Picture picture{pixels.width, {}};
     for (std::size_t i = 0; i < pixels.rgba.size(); i += 4)
@@ -144,8 +141,7 @@ class Window : public ScreenTest {
 };
 
 TEST_F(Window, DrawsFramesAndEnds) {
-  const Result result = run(with(touch_, {"--frames", "10", "--inset"}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(run(with(touch_, {"--frames", "10", "--inset"})));
   EXPECT_EQ(result.err, "");
 }
 
@@ -230,8 +226,7 @@ TEST_F(Window, WhatRestsIsDrawnFinelyAndAsLargeAsGtkProgramsAre) {
 TEST_F(Window, ClosingItWhileTheArraySoundsLeavesSilence) {
   ASSERT_TRUE(opens_and_sounds());
   hand_->close();
-  const Result result = end();
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  succeeded(end());
   EXPECT_FALSE(sounds()) << last_;
 }
 
@@ -272,9 +267,8 @@ TEST_F(Window, AScriptWithSoundIsPlayedThroughAndFilmed) {
              "draw 2\ndrag 100 100 200 150\nscroll 2\nkey 7\nkey h\nresize 600 300\ndraw 3\nkey escape\nclick 400 20\n"
              "drop /nowhere/broken.glb\ndraw 2\nkey tab\nkey tab\ndrag 150 200 250 220\nresize 64 64\ndraw\n"
              "resize 1 1\ndraw\nresize 640 480\nwait 0.5\nkey 3\ndrag 200 240 260 200\nkey tab\ndraw 2\nkey q\n");
-  const Result result = run(with(touch_, {"--skin", ball, "--show", "heat,slice,sections", "--video", film,
-                                          "--interact", (folder_ / "log").string()}));
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Result result = succeeded(run(with(touch_, {"--skin", ball, "--show", "heat,slice,sections", "--video", film,
+                                                    "--interact", (folder_ / "log").string()})));
   EXPECT_CONTAINS(result.err, "ball.ply is not the surface of --points");
   EXPECT_EQ(occurrences(result.err, "\n"), 1u) << "the layers were silent: " << result.err;
   bool resized = false;

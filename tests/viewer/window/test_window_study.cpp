@@ -139,9 +139,8 @@ TEST_F(WindowStudy, AWholeStudyIsKilledTwiceAndHasTheSameAnalysis) {
   EXPECT_EQ(entries_in(journal_, "\"start\""), starts);
   EXPECT_EQ(entries_in(journal_, "\"finish\""), 1u);
   // The same participant without windows and kills.
-  const Result whole = palpa({"study", "rehearse", plan.string(), "--participant", "1", "--out",
-                              (folder_ / "whole").string(), "--accuracy", "0.5"});
-  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  const Result whole = succeeded(palpa({"study", "rehearse", plan.string(), "--participant", "1", "--out",
+                                        (folder_ / "whole").string(), "--accuracy", "0.5"}));
   EXPECT_EQ(answers_in(folder_ / "study"), answers_in(folder_ / "whole"));
   EXPECT_EQ(answers_in(folder_ / "whole").size(), 8u);
   boards_.end();
