@@ -252,13 +252,32 @@ class Joining {
   InplaceVector<std::uint32_t, max_fingers> head_;
 };
 
+using Patches = InplaceVector<Patch, max_fingers>;
+
+/// Notes which known fingers look like several, because their patches are not joined. Those of a finger that may not
+/// part are joined.
+void hold_patches(const Known& known, const Patches& patches, Joining& joining) {
+  bool changed = false;
+  for (std::uint32_t a = 0; a < patches.size(); ++a) {
+    const WhichKnown finger = patches[a].known;
+    for (std::uint32_t b = a + 1; finger && b < patches.size(); ++b) {
+      if (patches[b].known != finger || joining.head(a) == joining.head(b)) continue;
+      known.doubt(*finger, {.several = true});
+      if (known.may_part(*finger) || patches[a].samples->empty() || patches[b].samples->empty()) continue;
+      joining.pair(a, b) = {Pair::one, held};
+      changed = true;
+    }
+  }
+  if (changed) joining.join();
+}
+
 }  // namespace
 
 void bridge_fingers(const Sight& sight, const FingerOptions& parameters, const Known& known, Touch& out,
                     FingerSkins& skins) {
   const std::uint32_t count = out.finger_count;
   if (count < 2) return;
-  InplaceVector<Patch, max_fingers> patches;
+  Patches patches;
   for (std::uint32_t f = 0; f < count; ++f) {
     patches.push_back(make_patch(skins[f]));
     if (!known.rules.together) patches[f].known = {};
@@ -274,12 +293,10 @@ void bridge_fingers(const Sight& sight, const FingerOptions& parameters, const K
       pair = out.fingers[a].solid == out.fingers[b].solid
                  ? compare(sight, known, patches[a], patches[b], width, were_one)
                  : Pair{Pair::two};
-      if (!same || pair.kind == Pair::one) continue;
-      known.doubt(*patches[a].known, {.several = true});
-      if (were_one && !patches[a].samples->empty() && !patches[b].samples->empty()) pair = {Pair::one, held};
     }
   }
   joining.join();
+  hold_patches(known, patches, joining);
 
   std::uint32_t kept = 0;
   std::array<std::uint32_t, max_fingers> place{};

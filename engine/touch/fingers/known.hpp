@@ -36,10 +36,10 @@ struct Doubt {
   }
 };
 
-/// What goes on from frame to frame in a finger.
+/// What goes on from frame to frame in a finger. Both times are less the time in which it did not look so.
 struct Continuation {
-  std::optional<std::uint32_t> parting_us{};  ///< since it last looked like several fingers; nothing: never
-  std::uint32_t meeting_us = 0;               ///< for how long it has looked like one with another
+  std::uint32_t parting_us = 0;  ///< for how long it has looked like several fingers
+  std::uint32_t meeting_us = 0;  ///< for how long it has looked like one with another
   Fall fall{};
 };
 
@@ -99,24 +99,29 @@ inline float squared_reach(float farthest) {
   return reach * reach;
 }
 
-/// A known finger parts if it looks like several fingers in two frames that are no farther apart than this.
-inline constexpr std::uint32_t parting_us_most = 100000;
-/// Two known fingers become one if they have looked like one in every frame for this time.
-inline constexpr std::uint32_t meeting_us_least = 50000;
+/// A known finger parts if it looks like several fingers and has looked so in a frame before, together for this time.
+/// Two known fingers become one if they have looked like one for this time.
+inline constexpr std::uint32_t parting_us_least = 40000, meeting_us_least = 50000;
 
 inline bool may_part(const Continuation& continuation, std::uint32_t elapsed_us) {
-  return continuation.parting_us && us_after(*continuation.parting_us, elapsed_us) <= parting_us_most;
+  return continuation.parting_us > 0 && us_after(continuation.parting_us, elapsed_us) >= parting_us_least;
 }
 inline bool may_meet(const Continuation& continuation, std::uint32_t elapsed_us) {
   return us_after(continuation.meeting_us, elapsed_us) >= meeting_us_least;
 }
 
+/// For how long a thing has been so, less the time in which it was not, after a frame that shows whether it is. It is
+/// at most `most_us`, so that it can end.
+inline std::uint32_t shown_for(std::uint32_t us, bool shows, std::uint32_t elapsed_us, std::uint32_t most_us) {
+  if (shows) return std::min(us_after(us, elapsed_us), most_us);
+  return us > elapsed_us ? us - elapsed_us : 0;
+}
+
 /// After this frame; its contacts do not count yet.
 inline Continuation next_continuation(const KnownFinger& finger, std::uint32_t elapsed_us) {
   Continuation next = finger.continuation;
-  if (next.parting_us) next.parting_us = us_after(*next.parting_us, elapsed_us);
-  if (finger.doubt.several) next.parting_us = 0;
-  next.meeting_us = finger.doubt.apart ? us_after(next.meeting_us, elapsed_us) : 0;
+  next.parting_us = shown_for(next.parting_us, finger.doubt.several, elapsed_us, 2 * parting_us_least);
+  next.meeting_us = shown_for(next.meeting_us, finger.doubt.apart, elapsed_us, 2 * meeting_us_least);
   return next;
 }
 

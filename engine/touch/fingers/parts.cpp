@@ -1,6 +1,8 @@
 #include "touch/fingers/parts.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -70,6 +72,11 @@ bool are_fingers(const Evidence& valleys, float square, float finger_width, bool
 constexpr int vote_rounds = 2;
 /// In finger widths: a part that is longer, or wider across its longest line, is no finger.
 constexpr float most_length = 4, most_width = 1.5F;
+/// In finger widths: samples that are farther apart do not show whether the skin between them is one finger's. The
+/// hollow of a palm is a valley between them.
+constexpr float near_by = 1.6F;
+/// In finger widths: so much farther apart than the nearest samples of two parts, samples show their border.
+constexpr float at_border = 0.4F;
 
 /// Assigns the samples of a wide cluster to fingers.
 class Grouping {
@@ -80,9 +87,9 @@ class Grouping {
       : samples_(samples), labels_(labels), fingers_(known), count_(samples.size()), width_(finger_width) {
     for (std::size_t c = 0; c < sight.cameras.size(); ++c)
       look(sight, c);
-    known_ = looked_;
-    two_ = valley_;
     for (std::size_t a = 0; a < count_; ++a) {
+      known_[a] = within(a, near_by * width_, looked_[a]);
+      two_[a] = known_[a] & valley_[a];
       for (std::size_t b = 0; b < count_; ++b) {
         if (labels_[a] && labels_[b] == labels_[a]) kin_[a] |= only(b);
         if (are_two_known(labels_[a], labels_[b])) strangers_[a] |= only(b);
@@ -117,6 +124,16 @@ class Grouping {
     return h;
   }
 
+  /// Those of `others` that are at most so far from `s`.
+  Set within(std::size_t s, float reach, Set others) const {
+    Set near = 0;
+    for (; others != 0; others = rest_of(others)) {
+      const std::size_t other = first_of(others);
+      if (square_apart(samples_[s].position, samples_[other].position) <= square_of(reach)) near |= only(other);
+    }
+    return near;
+  }
+
   void look(const Sight& sight, std::size_t c) {
     PerSample<SeenSample> views{};
     for (std::size_t s = 0; s < count_; ++s)
@@ -140,6 +157,7 @@ class Grouping {
       insides_[s] = inside_of(samples_[s], width_);
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
+        if (square_apart(samples_[a].position, samples_[b].position) > square_of(near_by * width_)) continue;
         const bool same = square_apart(insides_[a], insides_[b]) <= square_of(0.3F * width_);
         // Samples of two known fingers are evidence for two.
         if (!same && (strangers_[a] & only(b)) == 0 && !face_each_other(samples_[a], samples_[b])) continue;
@@ -159,6 +177,37 @@ class Grouping {
       link.two += size_of(two[first_of(left)] & members_[b]);
     }
     return link;
+  }
+
+  /// How far apart the nearest samples of two groups are.
+  float gap_between(std::size_t a, std::size_t b) const {
+    float nearest = 3.0e38F;
+    for (Set here = members_[a]; here != 0; here = rest_of(here)) {
+      const glm::vec3& place = samples_[first_of(here)].position;
+      for (Set there = members_[b]; there != 0; there = rest_of(there))
+        nearest = std::min(nearest, square_apart(place, samples_[first_of(there)].position));
+    }
+    return std::sqrt(nearest);
+  }
+
+  /// What cameras see where two groups are next to each other.
+  Evidence seen_at_border(std::size_t a, std::size_t b, float gap) const {
+    const float reach = std::max(near_by * width_, gap + at_border * width_);
+    Evidence link{0, 0};
+    for (Set left = members_[a]; left != 0; left = rest_of(left)) {
+      const std::size_t s = first_of(left);
+      const Set there = within(s, reach, members_[b] & looked_[s]);
+      link.known += size_of(there);
+      link.two += size_of(there & valley_[s]);
+    }
+    return link;
+  }
+
+  /// Whether two groups, whose means of insides are so far apart, are two fingers. What is near a palm continues it.
+  bool are_apart(std::size_t a, std::size_t b, float square, Set palms, bool were_apart) const {
+    const float gap = gap_between(a, b);
+    if ((palms & (only(a) | only(b))) != 0 && gap <= near_by * width_) return false;
+    return are_fingers(seen_at_border(a, b, gap), square, width_, were_apart);
   }
 
   /// The known finger of most samples of a group; if two have equally many, that of the first sample.
@@ -291,10 +340,7 @@ class Grouping {
     for (std::size_t a = 0; a < count_; ++a) {
       for (std::size_t b = a + 1; b < count_; ++b) {
         if (!are_two_known(label[a], label[b])) continue;
-        const bool of_palm = (palms & (only(a) | only(b))) != 0;
-        if (!of_palm &&
-            are_fingers(link_between(a, b, looked_, valley_), square_apart(means[a], means[b]), width_, true))
-          continue;
+        if (are_apart(a, b, square_apart(means[a], means[b]), palms, true)) continue;
         doubts_[*label[a]].apart = true;
         doubts_[*label[b]].apart = true;
       }
@@ -352,10 +398,9 @@ class Grouping {
           if (members_[b] == 0) continue;
           const float square = square_apart(means[a], means[b]);
           const bool apart = are_two_known(label[a], label[b]);
-          const bool of_palm = (palms & (only(a) | only(b))) != 0;
-          if (!of_palm && are_fingers(link_between(a, b, looked_, valley_), square, width_, apart)) continue;
-          if (apart && !(fingers_.may_meet(*label[a]) && fingers_.may_meet(*label[b]))) continue;
           if (nearest && square >= *nearest) continue;
+          if (apart && !(fingers_.may_meet(*label[a]) && fingers_.may_meet(*label[b]))) continue;
+          if (are_apart(a, b, square, palms, apart)) continue;
           nearest = square;
           keeps = a;
           goes = b;

@@ -11,11 +11,10 @@ namespace {
 
 /// Pixels to either side that give the skin's normal.
 constexpr std::uint32_t normal_pixels = 2;
-/// The upper bits of a hash sort contacts into most_samples buckets; each bucket keeps the contact with the least hash.
-/// The hash is invertible: contact = hash * unhash, modulo 2^32.
+/// The upper bits of a hash of their skin points sort contacts into most_samples buckets; each bucket keeps the contact
+/// with the least hash.
 constexpr std::uint32_t sample_shift = 26;
 constexpr std::uint32_t sample_hash = 0x9e3779b1;
-constexpr std::uint32_t sample_unhash = 0x0e8b2f51;
 static_assert(most_samples == 1U << (32 - sample_shift));
 
 /// `v` turned by a pose.
@@ -150,23 +149,26 @@ glm::vec3 normal_at(const Sight& sight, std::uint32_t point) {
   return glm::normalize(rotated(camera.T_world_camera, glm::dot(normal, at) > 0 ? -normal : normal));
 }
 
-SampledContacts sample_contacts(const Finger& finger) {
-  std::array<std::optional<std::uint32_t>, most_samples> least{};
+SampledContacts sample_contacts(const Touch& touch, const Finger& finger) {
+  struct Least {
+    std::uint32_t hash, contact;
+  };
+  std::array<std::optional<Least>, most_samples> least{};
   for (const std::uint32_t i : finger.contacts) {
-    const std::uint32_t hash = i * sample_hash;
-    std::optional<std::uint32_t>& bucket = least[hash >> sample_shift];
-    if (!bucket || hash < *bucket) bucket = hash;
+    const std::uint32_t hash = touch.contacts[i].point * sample_hash;
+    std::optional<Least>& bucket = least[hash >> sample_shift];
+    if (!bucket || hash < bucket->hash) bucket = {hash, i};
   }
   SampledContacts contacts;
-  for (const auto& hash : least) {
-    if (hash) contacts.push_back(*hash * sample_unhash);
+  for (const auto& bucket : least) {
+    if (bucket) contacts.push_back(bucket->contact);
   }
   return contacts;
 }
 
 SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger) {
   SkinSamples samples;
-  for (const std::uint32_t place : sample_contacts(finger)) {
+  for (const std::uint32_t place : sample_contacts(touch, finger)) {
     const Contact& contact = touch.contacts[place];
     const glm::vec3 normal = normal_at(sight, contact.point);
     if (glm::dot(normal, normal) > 0) samples.push_back({contact.position, normal});

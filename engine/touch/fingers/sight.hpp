@@ -81,11 +81,11 @@ struct SkinSample {
   glm::vec3 position, normal;
 };
 
-/// At most most_samples of a finger's contacts, in the order of a hash of their numbers. The same contacts therefore
-/// give the same samples.
+/// At most most_samples of a finger's contacts, in the order of a hash of their skin points. Skin at rest, of which a
+/// camera sees the same pixels in each frame, therefore keeps most of its samples.
 inline constexpr std::uint32_t most_samples = 64;
 using SampledContacts = InplaceVector<std::uint32_t, most_samples>;
-SampledContacts sample_contacts(const Finger& finger);
+SampledContacts sample_contacts(const Touch& touch, const Finger& finger);
 /// The same samples with their normals; contacts without a normal are left out.
 using SkinSamples = InplaceVector<SkinSample, most_samples>;
 SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);

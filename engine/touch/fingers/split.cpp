@@ -18,7 +18,7 @@ constexpr float known_wide = 0.8F;
 
 /// Whether a surface supports a cluster: half of its sampled contacts are firm. A known finger needs half of that.
 bool is_supported(const Sight& sight, const Touch& touch, const Finger& finger, bool known) {
-  const SampledContacts sampled = sample_contacts(finger);
+  const SampledContacts sampled = sample_contacts(touch, finger);
   const auto seen = static_cast<std::uint32_t>(sampled.size());
   const auto firm = static_cast<std::uint32_t>(
       std::ranges::count_if(sampled, [&](std::uint32_t i) { return is_firm(sight, touch.contacts[i].point); }));

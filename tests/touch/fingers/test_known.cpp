@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "geometry/gltf/gltf.hpp"
@@ -179,7 +181,7 @@ TEST(KnownFingers, HoldInRecordingsOfHandsAtRest) {
   };
   for (const Hand& hand :
        {Hand{"one-finger-through-semi-sphere", palpa::test::source_file("assets/semi-sphere.glb"), 1, 0},
-        Hand{"two-fingers-touching", folder / "plate.glb", 2, 9}}) {
+        Hand{"two-fingers-touching", folder / "plate.glb", 2, 5}}) {
     const sensing::Recording recording = sensing::load_recording(folder / hand.name);
     std::array<int, 2> changes{};
     for (const Hysteresis hysteresis : {Hysteresis::off, Hysteresis::on}) {
@@ -213,6 +215,57 @@ TEST(KnownFingers, AreForgottenIfTheClockGoesBack) {
   ASSERT_EQ(touch.finger_count, first.finger_count);
   for (std::uint32_t f = 0; f < first.finger_count; ++f)
     EXPECT_EQ(touch.fingers[f].contacts, first.fingers[f].contacts);
+}
+
+/// The share of a film's samples that the frame before also has, at the same pixels.
+double share_of_kept_samples(const HandFilm& film) {
+  Stage stage(plate_of(film), film.cameras);
+  Touch touch;
+  std::set<std::uint32_t> before;
+  double kept = 0, all = 0;
+  for (const sensing::FrameSet& set : film.frames) {
+    stage.touch(set.frames, touch, set.time_s);
+    std::set<std::uint32_t> now;
+    for (std::uint32_t f = 0; f < touch.finger_count; ++f) {
+      for (const std::uint32_t i : sample_contacts(touch, touch.fingers[f]))
+        now.insert(touch.contacts[i].point);
+    }
+    for (const std::uint32_t point : now) {
+      all += before.empty() ? 0 : 1;
+      kept += before.contains(point) ? 1 : 0;
+    }
+    before = std::move(now);
+  }
+  return kept / all;
+}
+
+TEST(KnownFingers, AtRestKeepMostOfTheirSamples) {
+  const HandFilm film = make_film(palpa::test::hand_scene("spread", 11e-3, 92, 35e-3, 20),
+                                  {.cameras = 3, .frames = 6, .noise = FilmNoise::full});
+  EXPECT_GE(share_of_kept_samples(film), 0.5);
+}
+
+TEST(KnownFingers, PartAndMeetIfMostFramesShowIt) {
+  constexpr std::uint32_t frame_us = 11111;
+  const auto after = [](std::initializer_list<bool> shows) {
+    KnownFinger finger;
+    for (const bool show : shows) {
+      finger.doubt = {.several = show, .apart = show};
+      finger.continuation = next_continuation(finger, frame_us);
+    }
+    return finger.continuation;
+  };
+  EXPECT_FALSE(may_part(after({true, true}), frame_us));
+  EXPECT_TRUE(may_part(after({true, true, true}), frame_us));
+  EXPECT_FALSE(may_part(after({true, false, true, false, true}), frame_us)) << "every second frame";
+  EXPECT_TRUE(may_part(after({true, true, true, false, true, true}), frame_us)) << "a single frame does not";
+  EXPECT_FALSE(may_part(after({}), 33333)) << "one frame alone, at 30 Hz";
+  EXPECT_FALSE(may_meet(after({true, true, true}), frame_us));
+  EXPECT_TRUE(may_meet(after({true, true, true, false, true, true}), frame_us));
+  EXPECT_FALSE(may_meet(after({true, true, true, true, true, true, true, true, true, true, true, true, false, false,
+                               false, false, false, false}),
+                        frame_us))
+      << "it ends";
 }
 
 TEST(KnownFingers, RulesAreNumbers) {
