@@ -87,8 +87,8 @@ std::span<const HandClass> hand_classes() {
   return std::span(classes).first(std::size(classes) - (shared_data("hands-unsteady").empty() ? 1 : 0));
 }
 
-RatedHand make_hand_of(const HandClass& kind, std::uint64_t seed) {
-  RatedHand hand = hands::begun(seed);
+RatedHand make_hand_of(const HandClass& kind, std::uint64_t seed, std::optional<int> cameras) {
+  RatedHand hand = hands::begun(seed, cameras.value_or(1 + static_cast<int>(seed % 3)));
   hand.predict_s = kind.predict_s;
   hands::Random random(seed);
   kind.make(hand, random);

@@ -57,6 +57,7 @@ struct HandClass {
 /// In the order of the table.
 std::span<const HandClass> hand_classes();
 
-RatedHand make_hand_of(const HandClass& kind, std::uint64_t seed);
+/// `cameras`: 1 to 3; nothing: as many as the seed gives it.
+RatedHand make_hand_of(const HandClass& kind, std::uint64_t seed, std::optional<int> cameras = {});
 
 }  // namespace palpa::test

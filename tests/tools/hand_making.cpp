@@ -55,8 +55,9 @@ double thick_plate(Random& random) {
   return random.of(std::array{35e-3, 60e-3});
 }
 
-std::vector<sensing::Camera> ring(int count, double elevation_deg, double azimuth_deg, double distance_m) {
-  std::vector<sensing::Camera> cameras = touch::test::ring_of_cameras(count, elevation_deg, azimuth_deg);
+std::vector<sensing::Camera> ring(std::size_t count, double elevation_deg, double azimuth_deg, double distance_m) {
+  std::vector<sensing::Camera> cameras =
+      touch::test::ring_of_cameras(static_cast<int>(count), elevation_deg, azimuth_deg);
   for (sensing::Camera& camera : cameras) {
     Vec4& eye = camera.T_world_camera[3];
     eye = Vec4(glm::normalize(Vec3(eye)) * distance_m, 1);
@@ -64,10 +65,10 @@ std::vector<sensing::Camera> ring(int count, double elevation_deg, double azimut
   return cameras;
 }
 
-RatedHand begun(std::uint64_t seed) {
+RatedHand begun(std::uint64_t seed, int cameras) {
   RatedHand hand;
   hand.seed = seed;
-  hand.cameras = touch::test::paper_cameras(1 + static_cast<int>(seed % 3));
+  hand.cameras = touch::test::paper_cameras(cameras);
   hand.rate_hz = seed / 3 % 3 == 2 ? 30 : 90;
   hand.length_s = hand.rate_hz < 60 ? 0.8 : 0.5;
   return hand;

@@ -59,9 +59,9 @@ HandPose one_of(Random& random, const std::array<HandPose, N>& poses, std::size_
 geometry::Solid plate(double thick_m, double half_m = 0.3);
 /// Thicker than any finger reaches.
 double thick_plate(Random& random);
-std::vector<sensing::Camera> ring(int count, double elevation_deg, double azimuth_deg, double distance_m);
-/// One to three cameras of the paper's rig, 30 or 90 Hz.
-RatedHand begun(std::uint64_t seed);
+std::vector<sensing::Camera> ring(std::size_t count, double elevation_deg, double azimuth_deg, double distance_m);
+/// The first cameras of the paper's rig, 30 or 90 Hz.
+RatedHand begun(std::uint64_t seed, int cameras);
 
 // ---- skin -----------------------------------------------------------------------------------------------------------
 

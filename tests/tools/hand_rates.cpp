@@ -1,10 +1,11 @@
 // Prints what palpa makes of hundreds of rendered hands (hand_classes.cpp), class by class. Not a test; run it by hand.
 //
-//   hand_rates [--csv FILE] [--without RULE]... [CLASS | SEED]...
+//   hand_rates [--cameras N] [--csv FILE] [--without RULE]... [CLASS | SEED]...
 //
-// Without classes or seeds, all of them. A seed replays one hand; with its class, any number is a seed. --csv: also a
-// line for each hand, in a file. --without: leaves out a rule of hysteresis (few, islands, apart, together, edges,
-// falling, whole, again, members, or all).
+// Without classes or seeds, all of them. A seed replays one hand; with its class, any number is a seed.
+// --cameras: every hand is filmed by that many cameras, 1 to 3, instead of one to three by its seed; sparse fingers
+// (one camera) and recordings keep theirs. --csv: also a line for each hand, in a file. --without: leaves out a rule of
+// hysteresis (few, islands, apart, together, edges, falling, whole, again, members, or all).
 //
 // Hands and fingers are rendered as one to three D415 see them, with that sensor's noise, and go through palpa's chain
 // frame by frame: contacts, fingers, foci, prediction, events. The same arguments give the same bytes, with any number
@@ -72,6 +73,7 @@ struct Job {
 
 struct Asked {
   std::filesystem::path csv;
+  std::optional<int> cameras;
   touch::HysteresisRules rules;
   std::vector<std::string_view> names;
   std::vector<std::uint64_t> seeds;
@@ -96,6 +98,11 @@ void leave_out(std::string_view name, touch::HysteresisRules& rules) {
   throw bad_usage(fmt::format("no rule {}", name));
 }
 
+int number_of_cameras(std::string_view word) {
+  if (word != "1" && word != "2" && word != "3") throw bad_usage(fmt::format("1 to 3 cameras, not {}", word));
+  return word[0] - '0';
+}
+
 Asked asked_by(int argc, char** argv) {
   Asked asked;
   for (int i = 1; i < argc; ++i) {
@@ -104,6 +111,8 @@ Asked asked_by(int argc, char** argv) {
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), seed);
     if (word == "--csv" && i + 1 < argc) {
       asked.csv = argv[++i];
+    } else if (word == "--cameras" && i + 1 < argc) {
+      asked.cameras = number_of_cameras(argv[++i]);
     } else if (word == "--without" && i + 1 < argc) {
       leave_out(argv[++i], asked.rules);
     } else if (error == std::errc() && end == word.data() + word.size()) {
@@ -207,7 +216,7 @@ void run(const Asked& asked) {
   if (jobs.empty()) throw bad_usage("no such hand");
   parallel_chunks(jobs.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     Job& job = jobs[i];
-    const RatedHand hand = make_hand_of(*job.kind, job.seed);
+    const RatedHand hand = make_hand_of(*job.kind, job.seed, asked.cameras);
     job.what = hand.what;
     job.score = score_of(hand, asked.rules);
   });

@@ -39,7 +39,7 @@ void add_visit(RatedHand& hand, const Standing& skin, const Visit& visit, const 
 
 void pressing(RatedHand& hand, Random& random, double lowest_deg, double highest_deg) {
   const double elevation = random.between(lowest_deg, highest_deg), azimuth = random.between(0, 360);
-  hand.cameras = ring(1 + static_cast<int>(hand.seed % 3), elevation, azimuth, random.between(0.35, 0.45));
+  hand.cameras = ring(hand.cameras.size(), elevation, azimuth, random.between(0.35, 0.45));
   hand.solids = {plate(60e-3, 50e-3)};
   hand.solids[0].haptics.press_depth_m = 3e-3;
   // Half of the fingers do not press.
@@ -120,7 +120,7 @@ void pinch(RatedHand& hand, Random& random) {
   hand.what = fmt::format("the thumb is lower by {:.0f} degrees", low);
   if (hand.seed % 2 == 1) {  // from farther away, as many contacts are a larger patch
     const double elevation = random.between(-55, -20), azimuth = random.between(0, 360);
-    hand.cameras = ring(1 + static_cast<int>(hand.seed % 3), elevation, azimuth, random.between(0.5, 0.65));
+    hand.cameras = ring(hand.cameras.size(), elevation, azimuth, random.between(0.5, 0.65));
     hand.what += ", far cameras";
   }
   press_to(hand, 44, 10e-3, [](const TrueFrame& frame) { return frame.contacts[1]; });
