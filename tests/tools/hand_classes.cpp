@@ -53,6 +53,7 @@ constexpr HandClass classes[] = {
     {"touching", 4000, 16, hands::touching, "fingers that touch each other"},
     {"relaxed", 5000, 16, hands::relaxed, "relaxed hands"},
     {"leaning", 6000, 16, hands::leans, "hands that lean far"},
+    {"away", 32000, 16, hands::leans_away, "hands that lean away from the first camera"},
     {"odd", 7000, 18, hands::odd, "other poses, from any side"},
     {"two-people", 8000, 12, hands::two_people, "two people's hands"},
     {"thin", 9000, 16, hands::thin, "hands in a plate of 2 mm"},

@@ -105,7 +105,8 @@ void press_to(RatedHand& hand, int contacts, double deepest_m, const std::functi
 // ---- the classes ----------------------------------------------------------------------------------------------------
 
 using Make = void(RatedHand& hand, Random& random);
-Make fist, spread, flat, palm, touching, relaxed, leans, odd, two_people, thin, through, back, rims, sparse, hover;
+Make fist, spread, flat, palm, touching, relaxed, leans, leans_away, odd, two_people, thin, through, back, rims, sparse,
+    hover;
 Make touch_and_leave, landing, second_finger, pinch, taps, leave, slide, faint, turning, meeting, above, beside, below;
 
 }  // namespace palpa::test::hands

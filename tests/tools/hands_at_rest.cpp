@@ -78,6 +78,16 @@ void leans(RatedHand& hand, Random& random) {
   on_thick_plate(hand, random, pose, lean_of(random, 55, 80, 30), 6e-3, 25e-3);
 }
 
+void leans_away(RatedHand& hand, Random& random) {
+  const HandPose pose = one_of(random, std::array{named("spread"), named("relaxed"), fingers_together()}, 3);
+  const Lean lean = lean_of(random, 50, 75);
+  // The first camera is where the fingers point to, and looks nearly along their skin.
+  const double elevation = lean.tilt_deg - 90 + random.between(-25, 25), aside = random.between(-45, 45);
+  hand.cameras = ring(hand.cameras.size(), elevation, -90 - lean.turn_deg + aside, random.between(0.33, 0.5));
+  on_thick_plate(hand, random, pose, lean, 12e-3, 20e-3);
+  hand.what += fmt::format(", first camera {:.0f} degrees beside, {:.0f} above the horizon", aside, elevation);
+}
+
 void odd(RatedHand& hand, Random& random) {
   const HandPose pose =
       random.of(std::array{pinching(), ring_of_two(), two_straight(), three_straight(), claw(), named("point")});
