@@ -13,13 +13,16 @@
 #include <vector>
 
 #include "array/drive.hpp"
+#include "geometry/gltf/gltf.hpp"
 #include "predict_chain.hpp"
+#include "sensing/recording.hpp"
 #include "session/plan/plan.hpp"
 #include "session/predict/capture_times.hpp"
 #include "session/predict/predictor.hpp"
 #include "session/predict/slot_clock.hpp"
 #include "stepped_loop.hpp"
 #include "support/captured.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::session {
@@ -121,6 +124,24 @@ TEST(PredictFixed, GivesTheSameBytesAndWithoutSlotsTheMiddleOfTheCycle) {
     EXPECT_TRUE(std::ranges::equal(once[k].voices[0].foci, standing[k].voices[0].foci));
   }
   EXPECT_GT(moving, 5U);
+}
+
+TEST(PredictRecording, NeverSilencesAFingerThatStays) {
+  PALPA_SHARED_OR_SKIP(folder, "hands-more/prediction-silences-a-frame");
+  const sensing::Recording recording = sensing::load_recording(folder);
+  SessionSetting setting{
+      .solids = geometry::make_solids(geometry::load_gltf(test::shared_data("hands-more/plate-60.glb"))),
+      .cameras = recording.cameras};
+  setting.predict = {Predict::automatic, 20e-3};
+  setting.layout.transducers.push_back({Vec3(0, -0.15, 0), Vec3(0, 1, 0)});
+  Session session(std::move(setting));
+  sensing::FrameSet set;
+  for (std::size_t k = 0; k < recording.entries.size(); ++k) {
+    sensing::read_entry(recording, k, set);
+    const auto slot = static_cast<std::uint64_t>(std::ceil(recording.entries[k].time_s / 1.5e-3));
+    EXPECT_EQ(session.touch(set.frames, recording.entries[k].time_s, slot).finger_count, 2U) << k;
+    EXPECT_EQ(session.schedule().voice_count, 2U) << k;
+  }
 }
 
 /// On either side: fingers are in the order of their contacts, so either is the first.

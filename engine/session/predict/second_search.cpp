@@ -21,6 +21,8 @@ constexpr double default_width_m = 25e-3;
 /// differences between two places count, and both have the same points.
 constexpr std::size_t enough_pixels = 3000;
 constexpr std::uint32_t most_stride = 3;
+/// A finger with fewer contacts at a stride is not silenced before every pixel was examined.
+constexpr std::uint32_t enough_contacts = 8;
 
 double square_apart(const Box& box, const glm::vec3& p) {
   const Vec3 way = Vec3(p) - glm::clamp(Vec3(p), box.low, box.high);
@@ -54,9 +56,9 @@ SecondSearch::SecondSearch(const CameraView& view, const touch::PreparedSolids& 
     touch->fingers.resize(1);
 }
 
-/// Takes the skin that moves with the finger. Returns the stride of its pixels.
-std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames,
-                                        const Vec3& way) {
+/// Takes the skin that moves with the finger, at every pixel, or at a stride if it has many.
+void SecondSearch::take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way,
+                               std::uint32_t largest_stride) {
   const Box contacts = contact_box(seen.fingers[f]);
   const Box box{contacts.low - reach_m_, contacts.high + reach_m_};
   sensing::plan_crops(view_.cameras, view_.tables, box, crops_);
@@ -64,8 +66,9 @@ std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t 
   for (const sensing::Crop& crop : crops_)
     pixels += std::size_t{crop.blocks()} * sensing::block_pixels;
   std::uint32_t stride = stride_;
-  while (stride < most_stride && pixels > enough_pixels * stride * stride)
+  while (stride < largest_stride && pixels > enough_pixels * stride * stride)
     ++stride;
+  points_stride_ = stride;
   touch::set_stride(crops_, stride);
   volumes_.clear();
   if (view_.surroundings) sensing::plan_drops(*view_.surroundings, box, volumes_);
@@ -85,7 +88,6 @@ std::uint32_t SecondSearch::take_points(const touch::Touch& seen, std::uint32_t 
   moved_ = points_;
   for (sensing::SkinPoint& point : moved_)
     point.position += glm::vec3(way);
-  return stride;
 }
 
 bool SecondSearch::find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
@@ -122,8 +124,18 @@ bool SecondSearch::is_near(const touch::Finger& finger, std::span<const sensing:
 
 bool SecondSearch::move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames,
                         touch::Touch& out) {
+  if (move_at(seen, f, way, frames, most_stride, out)) return true;
+  // If few contacts are left at a stride, every pixel must tell.
   const touch::Finger& finger = seen.fingers[f];
-  const touch::FingerOptions parameters = touch::at_stride(parameters_, take_points(seen, f, frames, way));
+  const bool few = finger.contact_count < enough_contacts * points_stride_ * points_stride_;
+  return finger.holds && few && points_stride_ > stride_ && move_at(seen, f, way, frames, stride_, out);
+}
+
+bool SecondSearch::move_at(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames,
+                           std::uint32_t largest_stride, touch::Touch& out) {
+  const touch::Finger& finger = seen.fingers[f];
+  take_points(seen, f, frames, way, largest_stride);
+  const touch::FingerOptions parameters = touch::at_stride(parameters_, points_stride_);
   // If the skin was not kept, nothing is known of it.
   if (!find(finger, points_, parameters, before_)) {
     add_moved(seen, f, way, out);

@@ -35,7 +35,10 @@ class SecondSearch {
   bool move(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames, touch::Touch& out);
 
  private:
-  std::uint32_t take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way);
+  bool move_at(const touch::Touch& seen, std::uint32_t f, const Vec3& way, const KeptFrames& frames,
+               std::uint32_t largest_stride, touch::Touch& out);
+  void take_points(const touch::Touch& seen, std::uint32_t f, const KeptFrames& frames, const Vec3& way,
+                   std::uint32_t largest_stride);
   bool find(const touch::Finger& finger, std::span<const sensing::SkinPoint> points,
             const touch::FingerOptions& parameters, touch::Touch& out) const;
   /// Whether some of the points are contacts of the finger's solid, or would be 0.5 mm deeper or shallower.
@@ -46,7 +49,7 @@ class SecondSearch {
   const touch::PreparedSolids& solids_;
   touch::FingerOptions parameters_;
   double reach_m_;
-  std::uint32_t stride_ = 1;
+  std::uint32_t stride_ = 1, points_stride_ = 1;  ///< of the session; of the points of the last search
   // Scratch that keeps its storage.
   std::vector<sensing::Crop> crops_;
   std::vector<shader::SkinVolume> volumes_;
