@@ -51,8 +51,8 @@ class CliTour : public testing::Test {
   /// For a shell: the line in the folder, with the programs on the path, on the backend that palpa chooses.
   std::string in_folder(const std::string& line) const {
     const auto [name, assets] = where_assets_are();
-    return "cd '" + folder_.string() + "' && unset PALPA_BACKEND && export PATH='" + programs_.string() + "':$PATH XDG_RUNTIME_DIR='" +
-           folder_.string() + "' " + name + "='" + assets + "' && exec " + line;
+    return "cd '" + folder_.string() + "' && unset PALPA_BACKEND && export PATH='" + programs_.string() +
+           "':$PATH XDG_RUNTIME_DIR='" + folder_.string() + "' " + name + "='" + assets + "' && exec " + line;
   }
   Result run(const std::string& line) const { return run_program("/bin/sh", {"-c", in_folder(line)}); }
 
