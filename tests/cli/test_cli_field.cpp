@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -109,6 +112,47 @@ TEST(Field, VtuIsWhatOthersRead) {
   const Result result = run_program(python, arguments);
   if (result.exit_code == 77) GTEST_SKIP() << "skipped: no meshio here (Debian: python3-meshio)";
   EXPECT_EQ(result.out, all) << result.err;
+}
+
+/// The numbers of a VTU file's array: base64 of their bytes, after that of their length.
+std::vector<float> vtu_array(const std::string& vtu, const std::string& name) {
+  const std::size_t begin = vtu.find('\n', vtu.find("Name=\"" + name + "\"")) + 1 + 12;
+  static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  for (std::size_t i = begin, n = 1; i < vtu.size() && digits.find(vtu[i]) != std::string::npos; ++i, ++n) {
+    bits = bits << 6 | static_cast<std::uint32_t>(digits.find(vtu[i]));
+    if (n % 4 != 1) bytes += static_cast<char>(bits >> (6 - 2 * ((n - 1) % 4)) & 255);
+  }
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+TEST(Field, VtuHasTheNumbersOfTheCsv) {
+  const std::string vtu = folder() / "spread.vtu", csv = folder() / "spread-of-vtu.csv";
+  succeeded(palpa_here(with(
+      with({"field", "--quiet", "--vtu", vtu, "--csv", csv, "--spread", "amplitude=20%,phase=0.2", "--draws", "40"},
+           focus),
+      plane)));
+  const std::string text = read_text(vtu);
+  const Rows rows = read_csv(csv);
+  ASSERT_EQ(rows.size(), 20u);
+  const auto expect = [&](const std::string& name, const auto& of_row) {
+    const std::vector<float> values = vtu_array(text, name);
+    ASSERT_EQ(values.size(), rows.size()) << name;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      EXPECT_NEAR(values[i], of_row(rows[i]), 1e-6 * std::abs(of_row(rows[i]))) << name << " at " << i;
+  };
+  const auto column = [](std::size_t number) { return [=](const std::vector<double>& row) { return row[number]; }; };
+  expect("amplitude (Pa)", [](const std::vector<double>& row) { return std::hypot(row[3], row[4]); });
+  expect("phase (rad)", [](const std::vector<double>& row) { return std::atan2(row[4], row[3]); });
+  expect("real part (Pa)", column(3));
+  expect("imaginary part (Pa)", column(4));
+  expect("amplitude, 5 % of arrays below (Pa)", column(5));
+  expect("amplitude, 95 % of arrays below (Pa)", column(7));
+  for (const std::vector<double>& row : rows)
+    EXPECT_LT(row[6], row[7]);
 }
 
 /// What pictures look like: tests/drawing/test_field_picture.cpp and test_line_picture.cpp.

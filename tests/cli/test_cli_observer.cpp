@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,6 +13,7 @@
 #include "cli/support/process.hpp"
 #include "cli/support/told.hpp"
 #include "geometry/files/ply.hpp"
+#include "support/csv.hpp"
 #include "support/files.hpp"
 #include "support/own_cache.hpp"
 #include "support/shapes.hpp"
@@ -62,6 +64,51 @@ TEST_F(CliObserver, TimesAndMapOfAfferentsAreOfTheSameSpikes) {
   EXPECT_TRUE(read_text(path("times.csv")).starts_with("time_s,sa1,ra,pc\n0,"));
   EXPECT_TRUE(read_text(path("sites.csv")).starts_with("site,x,y,z,area_cm2,sa1_hz,ra_hz,pc_hz\n0,"));
   EXPECT_TRUE(std::filesystem::exists(path("spikes.png")));
+}
+
+/// A sample takes 0.2 ms, and a spike is at its end. The last sample's are counted, too.
+TEST_F(CliObserver, SpikesAreInTheBinOfTheirSample) {
+  struct Counts {
+    std::vector<std::vector<double>> bins;  ///< rows of --times
+    double in_time = 0, on_map = 0;         ///< of all classes together
+  };
+  const auto touch = [&](std::size_t samples, std::size_t bin) {
+    const auto us = [](std::size_t n) { return std::to_string(200 * n) + "us"; };
+    std::vector<std::string> line = afferents_;
+    line.back() = us(samples);  // its duration
+    const Result result =
+        succeeded(palpa_here(with(line, {"--penetration", "1mm", "--crest", "200", "--bin", us(bin), "--json", "-",
+                                         "--times", path("times.csv"), "--csv", path("sites.csv")})));
+    const json afferents = json::parse(result.out)["afferents"];
+    Counts counts{.bins = read_csv(path("times.csv"))};
+    EXPECT_EQ(counts.bins.size(), (samples + bin - 1) / bin);
+    const std::vector<std::vector<double>> sites = read_csv(path("sites.csv"));
+    double area = 0;
+    for (const std::vector<double>& site : sites)
+      area += site[4];
+    const double classes[]{afferents["sa1"], afferents["ra"], afferents["pc"]};
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      for (const std::vector<double>& row : counts.bins)
+        counts.in_time += row[1 + kind];
+      for (const std::vector<double>& site : sites)
+        counts.on_map += site[5 + kind] * site[4] * classes[kind] / area * 2e-4 * static_cast<double>(samples);
+    }
+    EXPECT_NEAR(counts.in_time, counts.on_map, 1e-6 * counts.on_map) << samples << " samples, bins of " << bin;
+    return counts;
+  };
+  const auto spikes = [](const std::vector<double>& row) { return row[1] + row[2] + row[3]; };
+  double at_end = 0;
+  for (const std::size_t samples : {198u, 199u, 200u}) {
+    const Counts single = touch(samples, 1), five = touch(samples, 5);
+    at_end += spikes(single.bins.back());
+    for (std::size_t row = 0; row < five.bins.size(); ++row) {
+      double sum = 0;
+      for (std::size_t sample = 5 * row; sample < std::min(5 * row + 5, samples); ++sample)
+        sum += spikes(single.bins[sample]);
+      EXPECT_NEAR(spikes(five.bins[row]), sum, 1e-6 * single.on_map) << samples << " samples, row " << row;
+    }
+  }
+  EXPECT_GT(at_end, 0);
 }
 
 TEST_F(CliObserver, TheLevelOfAfferentsIsThatOfASingleFocusOnTheCube) {

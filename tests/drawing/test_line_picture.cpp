@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "drawing/axes.hpp"
@@ -98,6 +100,47 @@ TEST(LinePicture, ValuesAreScaled) {
   const auto range = Chart(picture).extent(0.5, 1, is_curve);
   ASSERT_TRUE(range);
   EXPECT_NEAR((range->x + range->y) / 2, 0.5, 0.01);
+}
+
+/// The middles of the runs of rows beside the chart in which any of these columns is dark.
+std::vector<double> dark_rows(const Chart& chart, std::uint32_t from, std::uint32_t to) {
+  std::vector<double> middles;
+  std::optional<std::uint32_t> begin;
+  const std::uint32_t margin = pixels(6);  // half a number, and less than the distance of other text
+  for (std::uint32_t y = chart.top - margin; y < chart.top + chart.height + margin; ++y) {
+    bool dark = false;
+    for (std::uint32_t x = from; x < to; ++x)
+      dark = dark || at(chart.pixels, x, y).r < 0x80;
+    if (dark && !begin) begin = y;
+    if (dark || !begin) continue;
+    middles.push_back((*begin + y - 1) / 2.0);
+    begin.reset();
+  }
+  return middles;
+}
+
+/// The lines and the numbers of the upright axis are where their values are, whatever the scale of the curve is.
+TEST(LinePicture, TheNumbersOfTheUprightAxisAreAtTheirValues) {
+  const std::vector<double> values(3, 40);
+  for (const auto& [most, scale] :
+       {std::pair(100.0, 1.0), std::pair(75.0, 1.0), std::pair(1.0, 1 / 40.0), std::pair(1.0, 1 / 40'000.0)}) {
+    LinePicture picture = ramp(values);
+    picture.most = most;
+    picture.scale = scale;
+    const Chart chart(picture);
+    const Marks up = marks(0, most, 8);
+    std::vector<double> rows;
+    for (const double value : up.at)
+      rows.insert(rows.begin(), chart.top + (1 - value / most) * (chart.height - 1));
+    const std::vector<double> lines = dark_rows(chart, chart.left - pixels(3), chart.left - pixels(2));
+    const std::vector<double> numbers = dark_rows(chart, chart.left - pixels(8) - up.width(), chart.left - pixels(7));
+    ASSERT_EQ(lines.size(), rows.size()) << most << " " << scale;
+    ASSERT_EQ(numbers.size(), rows.size()) << most << " " << scale;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      EXPECT_NEAR(lines[i], rows[i], 1) << most << " " << scale;
+      EXPECT_NEAR(numbers[i], rows[i], 2) << most << " " << scale;
+    }
+  }
 }
 
 /// A single loud sample among many must not fall between two pixels.

@@ -59,6 +59,9 @@ def test_a_camera(cube):
     camera = palpa.Camera(424, 240, [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]], distortion=np.zeros(4), depth_unit=1e-4, pose=pose)
     for one in (camera, [camera], pickle.loads(pickle.dumps(camera))):
         assert same_but_times(cube.touch(depth=image, camera=one, backend="cpu").json()) == same_but_times(from_file.json())
+    far = palpa.Camera(424, 240, [[400, 0, 211.5], [0, 400, 119.5], [0, 0, 1]], depth_unit=1e-4, min_range=1.0, pose=pose)
+    for one in (far, pickle.loads(pickle.dumps(far)), copy.deepcopy(far)):
+        assert len(cube.touch(depth=image, camera=one, backend="cpu").contacts) == 0
     session = palpa.Session(cube, depth=True, camera=camera, backend="cpu")
     assert len(session.touch(depth=[np.zeros(camera.shape, np.uint16)]).contacts) == 0 < len(from_file.contacts)
     # As other programs give them: with an axis of one channel, one array instead of a list, a stack.

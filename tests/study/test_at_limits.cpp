@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "study/analysis.hpp"
@@ -117,6 +118,27 @@ TEST(AtLimits, DepthsOfATrialAreKeptUpToAMinute) {
   EXPECT_EQ(course.samples.size(), 2U);
   course.add(std::nextafter(end_s, 0), 1);
   EXPECT_EQ(course.samples.size(), DepthCourse::most_bins);
+}
+
+TEST(AtLimits, PeopleWithATrialInEveryQuarterAreInTheCourseOfLearning) {
+  // The answers of the second half are right.
+  const auto learning = [](const std::vector<std::uint32_t>& trials) {
+    Study study{.methods = {"m"}, .shapes = {"a", "b"}};
+    for (const std::uint32_t count : trials) {
+      Participant& person = study.participants.emplace_back();
+      person.number = static_cast<std::uint32_t>(study.participants.size());
+      for (std::uint32_t k = 0; k < count; ++k)
+        person.trials.push_back({.method = 0, .shape = 0, .answer = k < count / 2 ? 1U : 0U});
+    }
+    return analyse(std::move(study), 0).courses[0].learning;
+  };
+  const std::vector<double> quarters{0, 0, 1, 1};
+  EXPECT_EQ(learning({blocks}).block_accuracy, quarters);
+  EXPECT_EQ(learning({blocks}).gains, std::vector<double>{1});
+  EXPECT_TRUE(learning({blocks - 1}).block_accuracy.empty());
+  EXPECT_TRUE(learning({blocks - 1}).gains.empty());
+  EXPECT_EQ(learning({blocks - 1, blocks, 8 * blocks}).block_accuracy, quarters);
+  EXPECT_EQ(learning({blocks - 1, blocks, 8 * blocks}).gains, (std::vector<double>{1, 1}));
 }
 
 TEST(AtLimits, TestsAreExactUpToTheirNumbersOfPeople) {

@@ -41,6 +41,7 @@ struct Bench {
   std::atomic<int> woken{0};
   std::uint64_t frames = 0;  ///< number of frames after which it ends by itself
   double hurry = 1;          ///< how many times as often as usual its finger dips
+  std::string recording;     ///< the frames, each of them, instead of a finger
 
   std::unique_ptr<LiveSession> start(Patience patience = {}) {
     LiveSession::Kinds kinds;
@@ -50,6 +51,10 @@ struct Bench {
       const auto dips = [times = hurry](double time_s) { return sensing::dipping_motion(times * time_s); };
       kinds.sources.push_back(session::synthetic_source("hasty", "", dips));
       options.source = "hasty";
+    }
+    if (!recording.empty()) {
+      options.source = "recording:" + recording;
+      options.every_frame = true;
     }
     return std::make_unique<LiveSession>(
         std::move(options), std::move(kinds), stop, [this] { ++woken; }, patience);
@@ -211,6 +216,22 @@ TEST(Live, RecordsWhileItRunsAndToItsEnd) {
   EXPECT_EQ(live->recording(), "") << "nothing is written any more";
   EXPECT_GT(live->recorded(), 0u);
   EXPECT_EQ(sensing::load_recording(whole).entries.size(), live->recorded());
+}
+
+TEST(Live, CountsTheFramesThatItsSourceLeftOut) {
+  const auto folder = test::scratch_folder("viewer-gaps") / "take";
+  std::filesystem::copy(test::source_file("assets/depth/take"), folder);
+  std::string times = test::read_text(folder / "times.csv");
+  for (const char* gone : {"\n2,", "\n5,", "\n6,"}) {
+    const std::size_t at = times.find(gone);
+    times.erase(at, times.find('\n', at + 1) - at);
+  }
+  test::write_text(folder / "times.csv", times);
+  Bench bench;
+  bench.recording = folder;
+  const auto live = bench.start();
+  ASSERT_TRUE(soon(*live, [&] { return (live->take(), live->snapshot().numbers.frames >= 9); })) << live->fault();
+  EXPECT_EQ(live->snapshot().numbers.dropped, 3u);
 }
 
 TEST(Live, EndsWithTheViewer) {
