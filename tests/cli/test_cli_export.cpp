@@ -213,7 +213,8 @@ TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
                {{"--method", "single-focus"}, {}, 0},
                {{"--foci-count", "7", "--dwell", "2ms"}, {}, 0},
                {{"--ceiling", "0.5"}, {}, 1e-6},
-               {{"--pressure", "2kPa"}, {}, 1e-3}};
+               {{"--pressure", "2kPa"}, {}, 1e-3},
+               {{"--pressure", "2kPa", "--ceiling", "0.5"}, {}, 1e-3}};
   for (const auto& [options, again, tolerance] : cases) {
     SCOPED_TRACE(testing::PrintToString(options));
     exported(source, with(options, {"--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}));

@@ -22,7 +22,24 @@ void add_copy(Scene& scene, const std::string& name, const Mesh& mesh, std::uint
   scene.meshes.push_back(std::move(out));
 }
 
-// This many copies, each turned and moved; every third is twice as large, every fifth mirrored.
+// Other values of everything that is felt, for each number.
+Haptics unlike_haptics(std::uint32_t number) {
+  const double part = 1.0 / (1 + number);
+  return {.delta_m = 0.01 * part,
+          .dwell_s = 0.1 * part,
+          .intensity = part,
+          .pressure_pa = 1e4 * part,
+          .press_depth_m = 0.1 * part,
+          .foci = 1 + number % 64,
+          .stride = 1 + number,
+          .click = Click{0.03 + 0.03 * part, 150 + 50 * part},
+          .stiffness = {{{0, part}, {0.01, 1}}},
+          .texture = {{1, part, 0}},
+          .grain_m = 0.1 * part};
+}
+
+// This many copies, each turned and moved, and felt in its own way; every third is twice as large, every fifth
+// mirrored.
 Scene copies_of(const Mesh& mesh, std::uint32_t count) {
   Scene scene{"test.glb", {}};
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -31,6 +48,7 @@ Scene copies_of(const Mesh& mesh, std::uint32_t count) {
     T = glm::scale(T, Vec3(i % 3 == 2 ? 2 : 1) * Vec3(1, 1, i % 5 == 4 ? -1 : 1));
     add_copy(scene, "copy " + std::to_string(i), mesh, 0, T);
     if (i % 5 == 4) flip(scene.meshes.back().mesh);
+    scene.meshes.back().haptics = unlike_haptics(i);
   }
   return scene;
 }
@@ -58,6 +76,8 @@ TEST(RigidCopies, AreCheckedOncePerScaleAndMirroring) {
   ASSERT_EQ(solids.size(), alone.size());
   for (std::size_t i = 0; i < solids.size(); ++i) {
     EXPECT_EQ(solids[i].name, alone[i].name);
+    EXPECT_EQ(solids[i].file, alone[i].file);
+    EXPECT_TRUE(solids[i].haptics == scene.meshes[i].haptics && alone[i].haptics == scene.meshes[i].haptics) << i;
     EXPECT_EQ(solids[i].mesh.positions, alone[i].mesh.positions);
     EXPECT_EQ(solids[i].mesh.triangles, alone[i].mesh.triangles);
     EXPECT_EQ(solids[i].bounds.low, alone[i].bounds.low);

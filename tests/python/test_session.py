@@ -191,12 +191,13 @@ def test_a_method_of_ones_own_in_a_single_touch(cube, finger, backend):
         with pytest.raises(palpa.BadUsage, match="no effect"):
             cube.touch(finger, method=cross, backend=backend, **idle)
     for method, kind, says in ((lambda finger: 1 / 0, ZeroDivisionError, "division"),
-                               (lambda finger: np.zeros((0, 3)), palpa.BadUsage, "0 foci")):
+                               (lambda finger: np.zeros((0, 3)), palpa.BadUsage, "returned 0 foci; a finger has 1 to 64"),
+                               (lambda finger: finger.positions[:65], palpa.BadUsage, "returned 65 foci; a finger has 1 to 64")):
         with pytest.raises(kind, match=says):
             cube.touch(finger, penetration=2e-3, method=method, backend=backend)
 
 
-@pytest.mark.parametrize("count", [1, 7, 12])
+@pytest.mark.parametrize("count", [1, 7, 12, 64])
 def test_each_slot_of_a_touch_plays_a_focus_of_ones_own_method(cube, finger, openmpd, count):
     touch = cube.touch(finger, penetration=2e-3, method=lambda finger: finger.positions[:count], backend="cpu")
     foci = openmpd.from_world(touch.fingers[0].foci)

@@ -250,6 +250,34 @@ def test_own_functions(tmp_path):
             palpa.sweep(DRIVE | {"functions": {"mine": wrong}}, backend="cpu")
 
 
+def loud(matrix, gains):
+    return matrix[0].conj() / abs(matrix[0]).max()
+
+
+def pair(finger):
+    return finger.positions[:2]
+
+
+def five(finger):
+    return finger.positions[:5]
+
+
+LINE = DRIVE["options"] | {"line": ["0,0,0.09", "0,0,0.11"], "samples": 3}
+TOUCH = {"scene": ASSETS / "cube.glb", "points": ASSETS / "finger.ply", "penetration": 2e-3}
+
+
+@pytest.mark.parametrize("command, options, option, usual, functions, path, ratio", [
+    ("drive", DRIVE["options"], "solver", "naive", (quiet, loud), "amplitudes.max", 2), ("field", LINE, "solver", "naive", (quiet, loud), "peak_pa", 2),
+    ("touch", TOUCH, "method", "single-focus", (pair, five), "fingers.0.foci_m.count", 2.5)])
+def test_another_version_of_an_own_function_is_another_case(command, options, option, usual, functions, path, ratio, tmp_path):
+    def made(version):
+        return palpa.sweep({"command": command, "options": options, "vary": {option: [usual, "mine"]}, "results": [path],
+                            "functions": {"mine": {"function": functions[version], "version": version}}}, tmp_path, backend="cpu")
+    rows = [made(version) for version in (0, 1)]
+    assert states(rows[0] + rows[1]) == ["done"] * 4 and rows[0][0] == rows[1][0]
+    assert rows[1][1][path] == pytest.approx(ratio * rows[0][1][path], rel=1e-3) and len(lines_of(tmp_path)) == 3
+
+
 @pytest.mark.parametrize("which", ["once", "always"])
 def test_a_killed_process_loses_its_case_only(which, tmp_path, monkeypatch):
     monkeypatch.setenv("PALPA_DEADLY", str(tmp_path / which))

@@ -49,6 +49,18 @@ TEST(Bridge, JoinsTheTwoSidesOfAFingertip) {
   EXPECT_GT(std::hypot(apart.fingers[0].section.centroid.x, apart.fingers[0].section.centroid.z), 4e-3);
 }
 
+TEST(Bridge, JoinsTheTwoSidesThatCamerasOfUnlikeDepthUnitsSee) {
+  const auto solids = object("cube");
+  for (const auto& [first, second] : {std::pair{1e-3, 1e-4}, {1e-4, 1e-3}}) {
+    Cameras cameras = ring_of_cameras(2, 20, 30);
+    cameras[0].depth_unit_m = first;
+    cameras[1].depth_unit_m = second;
+    const Images images = images_of(cameras, {{.press_m = 5e-3}}, 1);
+    EXPECT_EQ(touch_of(solids, cameras, images, unbridged()).finger_count, 2u) << first;
+    EXPECT_EQ(touch_of(solids, cameras, images).finger_count, 1u) << first;
+  }
+}
+
 TEST(Bridge, JoinsNothingWiderThanAFingerAndNothingWithoutImages) {
   const auto solids = object("cube");
   const Cameras cameras = ring_of_cameras(2, 20, 30);
