@@ -68,3 +68,17 @@ def sphere():
         palpa.write_ply(file, 0.01 * corners, triangles)
 
     return write
+
+
+@pytest.fixture(scope="session")
+def bodies(sphere):
+    """Writes a sphere of 10 mm, one of 1 mm, and a fingertip of 2 mm on the origin."""
+    import palpa
+
+    def write(folder):
+        sphere(folder / "sphere.ply")
+        ball = palpa.Mesh(folder / "sphere.ply")
+        palpa.write_ply(folder / "pebble.ply", 0.1 * ball.vertices, ball.faces)
+        palpa.write_ply(folder / "tip.ply", 0.2 * ball.vertices + [0, 0.002, 0], ball.faces)
+
+    return write

@@ -103,12 +103,9 @@ COLUMNS = {"drive": of_a_drive, "field": of_a_field, "touch": of_a_touch, "expor
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory, sphere):
+def inputs(tmp_path_factory, bodies):
     folder = tmp_path_factory.mktemp("columns")
-    sphere(folder / "sphere.ply")
-    ball = palpa.Mesh(folder / "sphere.ply")
-    palpa.write_ply(folder / "pebble.ply", 0.1 * ball.vertices, ball.faces)
-    palpa.write_ply(folder / "tip.ply", 0.2 * ball.vertices + [0, 0.002, 0], ball.faces)
+    bodies(folder)
     return folder
 
 

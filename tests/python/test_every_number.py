@@ -363,12 +363,9 @@ def falsified(told, places):
 
 
 @pytest.fixture(scope="module")
-def inputs(tmp_path_factory, sphere):
+def inputs(tmp_path_factory, bodies):
     folder = tmp_path_factory.mktemp("numbers")
-    sphere(folder / "sphere.ply")
-    ball = palpa.Mesh(folder / "sphere.ply")
-    palpa.write_ply(folder / "pebble.ply", 0.1 * ball.vertices, ball.faces)
-    palpa.write_ply(folder / "tip.ply", 0.2 * ball.vertices + [0, 0.002, 0], ball.faces)
+    bodies(folder)
     run(["study", "rehearse", "assets/studies/five-minutes.toml", "--participant", "1", "--out", str(folder / "study"), "--quiet"])
     return folder
 

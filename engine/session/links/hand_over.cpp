@@ -25,9 +25,8 @@ std::string remedy_of(const HandOver& counts) {
   if (less(counts.loop.drives, behind.guard->drives) >= std::max(in_guard, on_wire)) {
     const bool real_time = behind.guard_scheduling == Scheduling::real_time;
     return fmt::format(
-        "palpa-guard got no processor in time; end other programs, {}switch power saving off (cpupower frequency-set "
-        "-g "
-        "performance), or give a longer --dwell",
+        "palpa-guard got no processor in time; end other programs, {}switch power saving off (cpupower "
+        "frequency-set -g performance), or give a longer --dwell",
         real_time ? "" : "give it real-time scheduling (palpa doctor says how), ");
   }
   if (in_guard >= on_wire) return "the board took no more; give a longer --dwell, or foci that stand still";
