@@ -69,8 +69,8 @@ TEST(LayoutToml, TurnsUnitsAboutAnyAxis) {
     const Layout layout = parse_layout_toml(turned(1), "x.toml");
     for (const std::size_t t : {0u, 17u, 248u}) {
       const Vec3 p = flat.transducers[t].position, way = glm::cross(axis, p);
-      const Vec3 there = p * std::cos(2 * half) + way * std::sin(2 * half) +
-                         axis * (glm::dot(axis, p) * (1 - std::cos(2 * half)));
+      const Vec3 there =
+          p * std::cos(2 * half) + way * std::sin(2 * half) + axis * (glm::dot(axis, p) * (1 - std::cos(2 * half)));
       EXPECT_LE(glm::distance(layout.transducers[t].position, there + Vec3(0.1, 0, -0.2)), 1e-12);
     }
     EXPECT_CONTAINS(fault_of(turned(1.01)), "quaternion_wxyz has length 1.0");

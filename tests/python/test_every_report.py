@@ -77,7 +77,7 @@ def compare_differences(rows, table, shapes):
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
-    """A study of four people, two of whom began with the other method."""
+    """A study of four people; two began with the other method."""
     folder = tmp_path_factory.mktemp("reports")
     people.write_study(folder / "study", people.PEOPLE)
     for first in (folder / "study").glob("sub-[24]/beh/*_run-1_*"):
