@@ -281,7 +281,7 @@ TEST_F(GateTest, CountsWhatArrives) {
   gate_.open(later());
   counting_.send(5000, drive_);
   counting_.send(5001, drive_);
-  EXPECT_EQ(gate_.counts().skipped, 0u) << "the pause before a touch is none of its slots";
+  EXPECT_EQ(gate_.counts().skipped, 0u) << "the pause before a touch does not count";
 }
 
 TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
