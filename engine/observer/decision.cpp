@@ -96,7 +96,7 @@ struct Root {
   return e * power;
 }
 
-/// The likelihoods of a touch, but for the noise of its draws.
+/// The likelihoods of a touch without the noise of its draws.
 struct Candidates {
   std::vector<std::size_t> templates;  ///< those that can be meant, in order of their shapes
   std::vector<float> base;             ///< of each of them, logarithms

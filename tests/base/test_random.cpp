@@ -34,9 +34,9 @@ TEST(Random, NormalNumbersAreNormal) {
 }
 
 TEST(Random, NormalFloatsAreNormalNumbersRounded) {
-  Random random(8), same(8);
+  Random random(8), again(8);
   for (int i = 0; i < 100'000; ++i)
-    ASSERT_EQ(random.normal_float(), static_cast<float>(same.normal())) << i;
+    ASSERT_EQ(random.normal_float(), static_cast<float>(again.normal())) << i;
   for (double p = 0x1p-54; p < 1; p = p < 0.25 ? 1.001 * p : p + 1e-4)
     ASSERT_EQ(normal_quantile_float(p), static_cast<float>(normal_quantile(p))) << p;
   for (int i = 1; i < 50; ++i) {
