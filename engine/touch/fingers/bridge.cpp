@@ -17,20 +17,24 @@ struct Patch {
   const SkinSamples* samples;
   WhichKnown known{};               ///< most of its samples belong to this known finger
   glm::vec3 low{}, high{}, mean{};  ///< box and mean of its samples
+  glm::vec3 normal{};               ///< mean of its samples' normals
 };
 
 Patch make_patch(const FingerSkin& skin) {
   Patch patch{&skin.samples, skin.known};
   if (skin.samples.empty()) return patch;
   const glm::vec3 first = skin.samples.front().position;
-  glm::vec3 sum{0};
+  glm::vec3 sum{0}, normals{0};
   patch.low = patch.high = first;
   for (const SkinSample& sample : skin.samples) {
     patch.low = glm::min(patch.low, sample.position);
     patch.high = glm::max(patch.high, sample.position);
     sum += sample.position - first;
+    normals += sample.normal;
   }
-  patch.mean = first + sum * (1.0F / static_cast<float>(skin.samples.size()));
+  const float share = 1.0F / static_cast<float>(skin.samples.size());
+  patch.mean = first + sum * share;
+  patch.normal = normals * share;
   return patch;
 }
 
@@ -88,8 +92,10 @@ Way way_across(const SkinSample& sample, const Patch& other) {
           cosine_of_way(there->position, there->normal, sample.position)};
 }
 
-/// Whether both patches together are wider than a finger along the line from mean to mean.
-bool is_too_wide(const Patch& a, const Patch& b, const glm::vec3& line, float finger_width) {
+/// Whether both patches together are wider than a finger from one side to the other: in the direction in which their
+/// normals differ. Along a finger that leans, they may be longer.
+bool is_too_wide(const Patch& a, const Patch& b, float finger_width) {
+  const glm::vec3 line = b.normal - a.normal;
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
     for (const SkinSample& sample : *patch->samples) {
@@ -195,7 +201,7 @@ Pair compare(const Sight& sight, const Known& known, const Patch& a, const Patch
   if (!near_enough(a, b, widest)) return {Pair::two};
   Pair pair = face(a, b, were_one);
   if (pair.kind == Pair::two) return pair;
-  const bool fits = !is_too_wide(a, b, b.mean - a.mean, widest) && !is_empty_between(sight, a, b, were_one);
+  const bool fits = !is_too_wide(a, b, widest) && !is_empty_between(sight, a, b, were_one);
   if (fits && pair.kind == Pair::one) return pair;
   // What is wider than a finger, or empty, in the direction from patch to patch may be along a finger.
   pair.kind = fits ? Pair::unknown : Pair::two;
