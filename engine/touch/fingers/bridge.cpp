@@ -17,24 +17,22 @@ struct Patch {
   const SkinSamples* samples;
   WhichKnown known{};               ///< most of its samples belong to this known finger
   glm::vec3 low{}, high{}, mean{};  ///< box and mean of its samples
-  glm::vec3 normal{};               ///< mean of its samples' normals
+  glm::vec3 normal{};               ///< normal_of() its samples
 };
 
 Patch make_patch(const FingerSkin& skin) {
   Patch patch{&skin.samples, skin.known};
   if (skin.samples.empty()) return patch;
   const glm::vec3 first = skin.samples.front().position;
-  glm::vec3 sum{0}, normals{0};
+  glm::vec3 sum{0};
   patch.low = patch.high = first;
   for (const SkinSample& sample : skin.samples) {
     patch.low = glm::min(patch.low, sample.position);
     patch.high = glm::max(patch.high, sample.position);
     sum += sample.position - first;
-    normals += sample.normal;
   }
-  const float share = 1.0F / static_cast<float>(skin.samples.size());
-  patch.mean = first + sum * share;
-  patch.normal = normals * share;
+  patch.mean = first + sum * (1.0F / static_cast<float>(skin.samples.size()));
+  patch.normal = normal_of(skin.samples);
   return patch;
 }
 
@@ -132,7 +130,10 @@ Pair face(const Patch& a, const Patch& b, bool were_one) {
   const float mean_a = at_a / static_cast<float>(facing), mean_b = at_b / static_cast<float>(facing);
   const float worse = std::max(mean_a, mean_b);
   if (worse > (were_one ? 0.5F : 0.3F)) return {Pair::two};
-  return {worse < (were_one ? 0.3F : -0.1F) ? Pair::one : Pair::unknown, mean_a + mean_b};
+  const float through_a = cosine_of_way(a.mean, a.normal, b.mean), through_b = cosine_of_way(b.mean, b.normal, a.mean);
+  const float sure = std::min(worse, std::max(through_a, through_b));
+  return {sure < (were_one ? 0.3F : -0.4F) ? Pair::one : Pair::unknown,
+          std::min(mean_a + mean_b, through_a + through_b)};
 }
 
 /// Looks at chords through the space between two patches: from each sample of one patch to some sample of the other,
@@ -149,7 +150,7 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
     }
   }
   // In 64ths.
-  return empty * 64 > looked * (were_one ? 24U : 6U);
+  return empty * 64 > looked * (were_one ? 24U : 2U);
 }
 
 /// How wide both patches are across the line from mean to mean.
