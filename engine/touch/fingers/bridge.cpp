@@ -90,10 +90,11 @@ Way way_across(const SkinSample& sample, const Patch& other) {
           cosine_of_way(there->position, there->normal, sample.position)};
 }
 
-/// Whether both patches together are wider than a finger from one side to the other: in the direction in which their
-/// normals differ. Along a finger that leans, they may be longer.
+/// Whether both patches together are wider than a finger. If they face away from each other, this is from one side of
+/// the finger to the other, in the direction in which their normals differ: along a finger that leans, they may be
+/// longer. Otherwise it is along the line from mean to mean.
 bool is_too_wide(const Patch& a, const Patch& b, float finger_width) {
-  const glm::vec3 line = b.normal - a.normal;
+  const glm::vec3 line = glm::dot(a.normal, b.normal) < 0 ? b.normal - a.normal : b.mean - a.mean;
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
     for (const SkinSample& sample : *patch->samples) {
