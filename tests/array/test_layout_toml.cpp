@@ -1,4 +1,5 @@
 // Layout TOMLs: their meaning, what is rejected and with which message, and the effect of hostile files.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,6 +52,29 @@ TEST(LayoutToml, PlacesUnits) {
   ASSERT_EQ(layout.boards.size(), 1u);
   EXPECT_EQ(layout.boards[0].type, "autd3");
   EXPECT_EQ(layout.default_T_world_layout[3].y, -0.15);
+}
+
+TEST(LayoutToml, TurnsUnitsAboutAnyAxis) {
+  const Layout flat = load_layout("autd3");
+  std::string text(one_unit);
+  const std::size_t at = text.find("[0.7071, 0, 0, 0.7071]");
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0.48, -0.6, 0.64)}) {
+    const double half = 0.25;
+    const Vec3 v = std::sin(half) * axis;
+    const auto turned = [&](double times) {
+      return text.substr(0, at) +
+             fmt::format("[{}, {}, {}, {}]", times * std::cos(half), times * v.x, times * v.y, times * v.z) +
+             text.substr(at + 22);
+    };
+    const Layout layout = parse_layout_toml(turned(1), "x.toml");
+    for (const std::size_t t : {0u, 17u, 248u}) {
+      const Vec3 p = flat.transducers[t].position, way = glm::cross(axis, p);
+      const Vec3 there =
+          p * std::cos(2 * half) + way * std::sin(2 * half) + axis * (glm::dot(axis, p) * (1 - std::cos(2 * half)));
+      EXPECT_LE(glm::distance(layout.transducers[t].position, there + Vec3(0.1, 0, -0.2)), 1e-12);
+    }
+    EXPECT_CONTAINS(fault_of(turned(1.01)), "quaternion_wxyz has length 1.0");
+  }
 }
 
 TEST(LayoutToml, PlacesTransducersBehindUnits) {

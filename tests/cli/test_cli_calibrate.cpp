@@ -137,6 +137,9 @@ TEST_F(Calibrate, FindsThePapersCameras) {
     EXPECT_GT(camera["p95_m"], camera["rms_m"]);
     EXPECT_GT(camera["hold"], 0.1);
     EXPECT_LT(camera["deviation_m"], 0.2e-3);
+    EXPECT_GT(camera["deviation_m"], 1e-6);
+    EXPECT_LT(camera["deviation_rad"], 2e-3);
+    EXPECT_GT(camera["deviation_rad"], 1e-5);
     EXPECT_EQ(camera["T_world_camera"][0][3], found.cameras[i].T_world_camera[3][0]);
   }
   EXPECT_NE(result.out.find("front left: "), std::string::npos);

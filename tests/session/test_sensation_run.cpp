@@ -254,6 +254,35 @@ TEST(SensationRun, IsSilentWhileItIsFasterThanArraysPlay) {
   all(205, 230, true);
 }
 
+TEST(SensationRun, RandomIntensitiesFollowTheSeed) {
+  const std::string random =
+      fmt::format(R"(,"intensity":{{"intensity":{{"name":"random","params":{{"min":{},"max":{}}}}},{}}})",
+                  test::f64(0.25), test::f64(0.5), test::transition_text("linear"));
+  const test::PatternText text{.keyframes = test::key("standard", 0, test::coords(0, 0, 0) + random)};
+  const auto of = [&](std::uint64_t seed, bool ahead) {
+    Playing playing;
+    playing.setting.seed = seed;
+    playing.setting.end_s = 0.1;
+    sensation::PatternSensation sensation(sensation::parse_pattern(text.text(), "p"));
+    std::vector<double> gains;
+    if (ahead) {
+      for (const sensation::Point& point : points_of_slots(sensation, playing.setting, 100))
+        gains.push_back(point.gain);
+    } else {
+      playing.run(sensation);
+      for (const auto& [slot, amplitude] : playing.link.heard) {
+        if (amplitude > 0) gains.push_back(amplitude);
+      }
+    }
+    EXPECT_EQ(gains.size(), 100U);
+    return gains;
+  };
+  for (const bool ahead : {false, true}) {
+    EXPECT_EQ(of(7, ahead), of(7, ahead)) << ahead;
+    EXPECT_NE(of(7, ahead), of(0, ahead)) << ahead;
+  }
+}
+
 TEST(SensationRun, AnErrorIsToldAfterSilence) {
   Playing playing;
   sensation::FunctionSensation broken([&](std::span<const double> times, auto& places, auto& gains) {

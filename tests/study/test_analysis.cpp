@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -168,6 +169,43 @@ TEST(StudyAnalysis, CountsTrialsThatWereBrokenOff) {
   EXPECT_CONTAINS(analysis_text(analysis), "; 1 trial void\n");
   EXPECT_CONTAINS(analysis_text(analysis), "participant 1 felt nothing in 1 of 1 familiarisation");
   EXPECT_CONTAINS(analysis_csv(analysis), ",void\n");
+}
+
+TEST(StudyAnalysis, TrialsThatWereBrokenOffAreTheMethodsOwn) {
+  Study study = study_of({{20, 30}, {20, 30}}, {"single-focus", "cross-section"});
+  study.participants[0].voids = {3, 5};
+  study.participants[1].voids = {7, 11};
+  std::erase_if(study.participants[1].trials, [](const Trial& trial) { return trial.method == 0; });
+  std::vector<std::uint32_t> voids;
+  for (const PersonResult& result : analyse(std::move(study), 0).results.people)
+    voids.push_back(result.voids);
+  EXPECT_EQ(voids, (std::vector<std::uint32_t>{3, 5, 11}));
+}
+
+TEST(StudyAnalysis, DepthsAreMeansOverPeopleInEachBin) {
+  Study study = study_of({{20, 30}, {20, 30}, {20, 30}}, {"single-focus", "cross-section"});
+  for (const double deep_m : {1e-3, 3e-3}) {
+    auto& depths = study.participants[deep_m > 2e-3 ? 2 : 0].depths;
+    depths.resize(2 * study.shapes.size());
+    DepthCourse& course = depths[study.shapes.size() + 1];  // cross-section, the second shape
+    course.add(0.1, deep_m);
+    course.add(0.2, deep_m + 2e-3);
+    if (deep_m > 2e-3) course.add(0.6, 7e-3);
+  }
+  const Analysis analysis = analyse(std::move(study), 0);
+  const MeanDepth& mean = analysis.courses[1].depths[1];
+  EXPECT_EQ(mean.people, 2u);
+  ASSERT_EQ(mean.depth_m.size(), 3u);
+  EXPECT_NEAR(mean.depth_m[0].value(), 3e-3, 1e-12);
+  EXPECT_FALSE(mean.depth_m[1]);
+  EXPECT_NEAR(mean.depth_m[2].value(), 7e-3, 1e-12);
+  EXPECT_TRUE(analysis.courses[1].depths[0].depth_m.empty());
+  const auto methods = nlohmann::json::parse(analysis_json(analysis))["methods"];
+  const auto& depth = methods[1]["depth"];
+  EXPECT_EQ(depth["bin_s"], 0.25);
+  EXPECT_EQ(depth[test::study_shapes[1]], nlohmann::json::parse("[0.003, null, 0.007]"));
+  EXPECT_EQ(depth[test::study_shapes[0]], nlohmann::json::array());
+  EXPECT_CONTAINS(analysis_html(analysis), "mean depth of the finger below the top of the object");
 }
 
 TEST(StudyAnalysis, OfAHundredTakesAboutASecond) {

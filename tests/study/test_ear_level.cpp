@@ -278,7 +278,8 @@ TEST(EarLevel, APlanWhoseBoardsWouldBeSilentIsRefused) {
   EXPECT_ERROR(refuse_silent(plan), Exit::usage, "measured_ceiling of [level] is 0.02");
   plan.level.measured_db.reset();
   plan.shapes[2].pressure_pa = 10;  // one transducer is louder than that, at this ceiling
-  EXPECT_ERROR(refuse_silent(plan), Exit::usage, "times the amplitude for the 10 Pa of '" + plan.shapes[2].name + "'");
+  EXPECT_ERROR(refuse_silent(plan), Exit::usage,
+               "the ceiling 0.04 times the amplitude for the 10 Pa of '" + plan.shapes[2].name + "'");
   plan.shapes[2].pressure_pa = 1e5;
   refuse_silent(plan);
   array::Layout factored = array::load_layout("openmpd");

@@ -126,9 +126,11 @@ TEST(Order, NoShapeTwiceInARow) {
   StudyPlan plan = paper();
   plan.blocks = {{.kind = BlockKind::trial, .shapes = {0, 1}, .repeats = 10, .apart = true},
                  {.kind = BlockKind::trial, .shapes = {0, 1, 2, 3}, .repeats = 10, .apart = true}};
+  std::set<std::uint32_t> orders;
   for (std::uint32_t participant = 1; participant <= 50; ++participant) {
     const std::vector<Step> steps = order_of(plan, participant);
     ASSERT_EQ(steps.size(), 2u * 60);
+    orders.insert(steps[20].shape.value() * 10000 + steps[25].shape.value() * 100 + steps[30].shape.value());
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> shown;
     for (std::size_t i = 0; i < steps.size(); ++i) {
       ++shown[{steps[i].round, *steps[i].shape}];
@@ -139,6 +141,7 @@ TEST(Order, NoShapeTwiceInARow) {
     for (const auto& [place, times] : shown)
       EXPECT_EQ(times, 10);
   }
+  EXPECT_GT(orders.size(), 25u) << "of 64: chance decides which shape comes where";
 }
 
 TEST(Order, RepeatsAndBlocksThatComeOnce) {

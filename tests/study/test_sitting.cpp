@@ -136,6 +136,8 @@ TEST_F(SittingTest, HeadphonesArePutOnOnlyForASound) {
 
 TEST_F(SittingTest, KeysChangeTheShapeOfTheFreeExploration) {
   Sitting one = sitting();
+  one.choose(1, now_ += ms);
+  EXPECT_EQ(count(EntryKind::choose), 0u) << "nothing is touched yet";
   begin(one, BlockKind::free);
   EXPECT_EQ(one.presented().shape, 0u);
   one.act(Act::next_shape, now_ += ms);

@@ -1,6 +1,9 @@
 // Prints how well pictures tell whether a faint digit of a hand of hand_rates touches. Not a test; run it by hand.
 //
 //   hand_doubts [--cameras N] CLASS SEED...
+//   hand_doubts --picture FILE [--cameras N] CLASS SEED
+//
+// With --picture, draws what the cameras see of a digit (digit_picture.hpp), as in docs/notes/finger-rates.md. Else:
 //
 // A digit is faint if 1 to 9 of its pixels are contacts in a picture without noise, or if its skin is at most 0.3 mm
 // above the surface. For each, the hand is filmed 300 times as it is in its last frame, and 300 times when it is higher
@@ -23,12 +26,14 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/system/parallel.hpp"
+#include "digit_picture.hpp"
 #include "hand_classes.hpp"
 #include "hand_making.hpp"
 #include "hand_truth.hpp"
@@ -141,6 +146,7 @@ std::string row_of(const HandClass& kind, const RatedHand& hand, std::uint32_t d
 
 void run(int argc, char** argv) {
   std::optional<int> cameras;
+  std::filesystem::path picture;
   const HandClass* kind = nullptr;
   std::vector<std::uint64_t> seeds;
   for (int i = 1; i < argc; ++i) {
@@ -150,6 +156,8 @@ void run(int argc, char** argv) {
     const auto named = std::ranges::find_if(hand_classes(), [&](const HandClass& c) { return word == c.name; });
     if (word == "--cameras" && i + 1 < argc) {
       cameras = argv[++i][0] - '0';
+    } else if (word == "--picture" && i + 1 < argc) {
+      picture = argv[++i];
     } else if (is_number) {
       seeds.push_back(number);
     } else if (named != hand_classes().end()) {
@@ -158,7 +166,8 @@ void run(int argc, char** argv) {
       throw bad_usage(fmt::format("no class {}", word));
     }
   }
-  if (!kind || seeds.empty()) throw bad_usage("hand_doubts [--cameras N] CLASS SEED...");
+  if (!kind || seeds.empty()) throw bad_usage("hand_doubts [--picture FILE] [--cameras N] CLASS SEED...");
+  if (!picture.empty()) return draw_digit(make_hand_of(*kind, seeds.front(), cameras), kind->name, picture);
   std::vector<std::string> rows(seeds.size());
   parallel_chunks(seeds.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     const RatedHand hand = raised(make_hand_of(*kind, seeds[i], cameras), 0);

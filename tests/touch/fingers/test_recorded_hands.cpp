@@ -68,6 +68,14 @@ TEST(RecordedHands, HaveAsManyFingersInEachFrameAsTheyTouchWith) {
   }
 }
 
+TEST(RecordedHands, AFarHandHasFiveFingersAfterATenthOfASecond) {
+  PALPA_SHARED_OR_SKIP(folder, "hands-more");
+  const Played played = play(folder / "far-hand-one-camera", folder / "bigbox.glb");
+  constexpr std::size_t begin = 9;  // at 90 Hz
+  ASSERT_EQ(played.fingers.size(), 2 * begin);
+  EXPECT_EQ(std::vector(played.fingers.begin() + begin, played.fingers.end()), std::vector<std::uint32_t>(begin, 5));
+}
+
 TEST(RecordedHands, TheBackOfAHandStaysOneFinger) {
   PALPA_SHARED_OR_SKIP(folder, "hands-unsteady");
   const Played played = play(folder / "palm-back-thin", folder / "plate-2.glb");

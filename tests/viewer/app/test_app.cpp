@@ -301,6 +301,7 @@ TEST(MeshOfPressures, IsTheSkinOrTheFingerOfTheSource) {
 
 TEST_F(LiveApp, ASensationPlaysInItsTimeAndPauses) {
   make(options_of({{"--sensation", {"circle"}}, {"--layout", {"openmpd"}}}));
+  EXPECT_EQ(app_->title(), "circle");
   go_round();
   const auto slot = [&] { return app_->data().state.time.slot; };
   const std::uint64_t begin = slot();

@@ -218,6 +218,9 @@ TEST_F(FirstSteps, TheParticipantsWindowTakesPAndQ) {
   app_->try_participant(true);
   app_->participant().fills({1000, 1000});
   EXPECT_TRUE(says("stretched"));
+  app_->handle_participant({.kind = Kind::key, .key = Key::escape});
+  draw();
+  EXPECT_FALSE(app_->data().participant.open);
   app_->handle_participant({.kind = Kind::key, .key = key_of('q')});
   EXPECT_TRUE(app_->quitting());
 }

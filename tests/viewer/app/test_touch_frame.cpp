@@ -41,7 +41,9 @@ TEST_F(LiveApp, ASmallTouchHasACloseUpByItself) {
   const auto seen = projection(views()[0].viewpoint, size_.width, size_.height);
   for (const TransducerMark& transducer : app_->picture().transducers)
     EXPECT_LT(project(seen, Vec3(transducer.position)).x, close.area.offset.x) << "it covers nothing of the array";
+  ASSERT_TRUE(app_->data().state.time.playing);
   app_->hold();
+  EXPECT_FALSE(app_->data().state.time.playing);
   key('t');
   go_round();
   EXPECT_EQ(views().size(), 1u) << "the touch fills the picture";

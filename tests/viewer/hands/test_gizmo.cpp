@@ -96,6 +96,16 @@ TEST(Gizmo, IsAsLargeInEveryPicture) {
   }
 }
 
+TEST(Gizmo, ARingIsGrippedAllAround) {
+  const Sight sight = sight_from(0, 0, true);
+  const Gizmo gizmo = gizmo_at({0, 0, 0}, sight);
+  for (int i = 0; i < 16; ++i) {
+    const double turn = 2 * std::numbers::pi * (i + 0.5) / 16, r = 0.72 * gizmo.size_m;
+    const Vec2 at = pixel(sight, {r * std::cos(turn), r * std::sin(turn), 0});
+    EXPECT_EQ(handle_at(gizmo, sight, at.x, at.y), Handle::around_z) << i;
+  }
+}
+
 TEST(Gizmo, AnArrowSeenFromItsEndDoesNotMove) {
   const Sight sight = sight_from(0, 0, true);  // along -z
   const Gizmo gizmo = gizmo_at({0, 0, 0}, sight);

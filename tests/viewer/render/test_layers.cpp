@@ -84,10 +84,17 @@ TEST_F(ViewerLayers, PartsAreTakenApartFromTheirSolidsMiddle) {
   picture.solids.push_back({"two", test::box({-0.02, -0.01, -0.01}, {0, 0.01, 0.01}), 0u});
   picture.solids.push_back({"two", test::box({0, -0.01, -0.01}, {0.02, 0.01, 0.01}), 1u});
   picture.solids.push_back({"whole", test::box({-0.005, 0.02, -0.005}, {0.005, 0.03, 0.005})});
+  picture.solids.push_back({"other", test::box({0.01, -0.03, -0.005}, {0.03, -0.02, 0.005}), 0u});
+  picture.solids.push_back({"other", test::box({0.03, -0.03, -0.005}, {0.05, -0.02, 0.005}), 1u});
+  picture.solids.push_back({"the next", test::box({0.01, -0.04, -0.005}, {0.03, -0.03, 0.005}), 0u});
   const std::vector<Vec3> ways = apart(picture.solids);
   EXPECT_EQ(ways[0], Vec3(-0.02, 0, 0));
   EXPECT_EQ(ways[1], Vec3(0.02, 0, 0));
   EXPECT_EQ(ways[2], Vec3(0));
+  EXPECT_LT(glm::distance(ways[3], Vec3(-0.02, 0, 0)), 1e-12);
+  EXPECT_LT(glm::distance(ways[4], Vec3(0.02, 0, 0)), 1e-12);
+  EXPECT_EQ(ways[5], Vec3(0)) << "the first part of another solid";
+  picture.solids.resize(3);
   ViewState state = test::bare_view();
   const Colour paper = test::paper();
   const Pixels together = draw(picture, state);

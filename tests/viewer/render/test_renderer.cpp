@@ -233,6 +233,10 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
     for (std::uint32_t u = 4; u + 4 < area.extent.width; u += 7)
       ASSERT_GT(distance(both.at(x + u, y + v), paper()), 20) << u << " " << v;
   }
+  // Beside the cube, nothing but the paper.
+  const Box beside{Vec3(0.048, 0.048, -0.002), Vec3(0.052, 0.052, 0.002)};
+  offscreen.draw(drawn, std::vector<View>{views[0], close_up(viewpoint, beside, 640, 480, 1)});
+  EXPECT_LE(distance(offscreen.pixels().at(x + area.extent.width / 2, y + area.extent.height / 2), paper()), 1);
 }
 
 TEST_F(Renderer, LinesAreCutWhereTheyPassBehindTheEye) {

@@ -68,6 +68,7 @@ TEST_F(ViewerRefusals, OptionsThatWouldBeIgnored) {
       {host_, {"--slice-at", "0,0,0"}, "--slice-at goes with --layout or --rig"},
       {host_, {"--layout", "autd3", "--show", "heat"}, "--skin"},
       {scene_, {"--spectrum"}, "--spectrum"},
+      {scene_, {"--spot", "4mm"}, "--spot goes with --spectrum or --tune"},
       {scene_, {"--link", "null"}, "--source"},
       {layout_, {"--delta", "1mm"}, "--delta goes with --points or --depth"},
       {layout_, {"--foci", "8"}, "--foci goes with --points or --depth"},
