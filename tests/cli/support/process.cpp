@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -103,6 +104,8 @@ pid_t start_program(const std::filesystem::path& program, const std::vector<std:
   if (child < 0) throw std::runtime_error("no fork");
   if (child > 0) return child;
 
+  // A test that is killed leaves no run behind that records until the disk is full.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (options.foreground) {
     setsid();
     ioctl(options.err, TIOCSCTTY, 0);
