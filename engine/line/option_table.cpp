@@ -68,6 +68,11 @@ std::vector<OptionInfo> option_table(const CLI::App& app) {
     }
     table.push_back(std::move(info));
   }
+  // A group may be continued after another one. --help shows its options together.
+  std::map<std::string, std::size_t> headings;
+  for (const OptionInfo& info : table)
+    headings.try_emplace(info.heading, headings.size());
+  std::ranges::stable_sort(table, {}, [&](const OptionInfo& info) { return headings.at(info.heading); });
   return table;
 }
 

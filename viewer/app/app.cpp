@@ -139,6 +139,7 @@ void App::handle(const WindowEvent& event, const Size& whole_size) {
   const bool escape = event.kind == WindowEvent::Kind::key && event.down && event.key == Key::escape;
   if (escape && ui_ && ui_->let_go()) {
     data_.ceiling.reset();
+    if (data_.drag) data_.drag->cancelled = true;
     content_.run().control().set_ceiling(data_.content.edit.options().safety.ceiling);
     return stale_.redraw();
   }

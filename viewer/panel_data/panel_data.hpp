@@ -77,7 +77,14 @@ struct PanelData {
   bool wants_spectrum = false;           ///< the spectrum is being looked at
   std::map<std::string, bool> headings;  ///< those that the user has folded (false) or unfolded
   std::optional<double> ceiling;         ///< while its slider is held
-  std::optional<FilePicker> picker;      ///< while a file is being chosen
+  /// A widget that is being dragged.
+  struct Drag {
+    std::string name;
+    double before = 0;       ///< its value when the drag began
+    bool cancelled = false;  ///< set by the application: the widget gives that value back
+  };
+  std::optional<Drag> drag;
+  std::optional<FilePicker> picker;  ///< while a file is being chosen
 
   // ---- asked for ---------------------------------------------------------------------------------------------------
   struct Asked {

@@ -1,6 +1,5 @@
 // A window in which a file or a folder is chosen.
 #include <imgui.h>
-#include <imgui_stdlib.h>
 
 #include <algorithm>
 #include <string>
@@ -35,14 +34,13 @@ bool draw_folders(PanelData& data, FilePicker& picker) {
   bool chosen = false;
   if (picker.option.empty() && !data.content.recent.empty()) {
     ImGui::SetNextItemWidth(-1);
-    drop_down("##recent", "opened before", [&] {
+    drop_down(data, "opened before", "##recent", "opened before", [&] {
       for (const std::string& file : data.content.recent) {
-        if (!ImGui::Selectable(file.c_str())) continue;
+        if (!choice(data, "opened before " + file, file, false)) continue;
         data.asked.open = file;
         chosen = true;
       }
     });
-    data.places.named["opened before"] = last_area();
   } else {
     ImGui::NewLine();
   }
@@ -55,15 +53,13 @@ bool draw_entries(PanelData& data, FilePicker& picker, float height) {
   ImGui::BeginChild("files", {0, height}, true);
   if (!picker.fault.empty()) ImGui::TextWrapped("%s", picker.fault.c_str());
   std::string go_to;
-  if (ImGui::Selectable("..")) go_to = folder_above(picker.folder);
+  if (choice(data, "folder above", "..", false)) go_to = folder_above(picker.folder);
   for (const FilePicker::Entry& entry : picker.entries) {
     const std::string shown = entry.recording ? entry.name + "   (a recording)"
                               : entry.folder  ? entry.name + "/"
                                               : entry.name;
-    const bool pressed =
-        ImGui::Selectable(shown.c_str(), picker.name == entry.name, ImGuiSelectableFlags_AllowDoubleClick);
-    data.places.named["file " + entry.name] = last_area();
-    if (!pressed) continue;
+    if (!choice(data, "file " + entry.name, shown, picker.name == entry.name, ImGuiSelectableFlags_AllowDoubleClick))
+      continue;
     const bool twice = ImGui::IsMouseDoubleClicked(0);
     // A file that is to be written may be put into the folder of a recording.
     const bool chosen_whole = entry.recording && !picker.is_new;
@@ -96,15 +92,14 @@ void draw_file_picker(PanelData& data) {
   bool open = true;
   const std::string title = "Choose " + picker.title + "###picker";
   ImGui::Begin(title.c_str(), &open, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse);
+  name_closer(data, "close the files");
   const bool opened = draw_folders(data, picker);
   ImGui::TextWrapped("%s", picker.folder.c_str());
   const float below = 2 * ImGui::GetFrameHeightWithSpacing();
   bool chosen = draw_entries(data, picker, std::max(ImGui::GetContentRegionAvail().y - below, em(2)));
   ImGui::SetNextItemWidth(-1);
   const char* const hint = picker.is_new ? "a new name" : "a name";
-  if (ImGui::InputTextWithHint("##name", hint, &picker.name, ImGuiInputTextFlags_EnterReturnsTrue)) chosen = true;
-  data.places.named["name"] = last_area();
-  if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
+  if (text_field(data, "name", "##name", picker.name, ImGuiInputTextFlags_EnterReturnsTrue, hint)) chosen = true;
   const bool complete = !picker.name.empty() || picker.folders;
   chosen = button(data, "Choose", "", complete, "choose", {em(6), 0}) || chosen;
   ImGui::SameLine();

@@ -116,6 +116,7 @@ void draw_key_sheet(PanelData& data) {
   ImGui::SetNextWindowSizeConstraints({1, 1}, {std::max(whole.x - em(0.5f), 1.0f), height});
   ImGui::Begin("Keys and mouse", &data.help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+  name_closer(data, "close the keys");
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const KeyLine& line : key_lines(data)) {
       ImGui::TableNextColumn();

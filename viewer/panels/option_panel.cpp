@@ -1,7 +1,6 @@
 // The options of the run. A value that is not the default has a mark, and a button that resets it.
 #include <fmt/core.h>
 #include <imgui.h>
-#include <imgui_stdlib.h>
 
 #include <algorithm>
 #include <cctype>
@@ -60,19 +59,24 @@ struct Row {
   }
 };
 
+/// A line of the option's list.
+bool choice_of(const Row& row, const std::string& line, bool chosen = false) {
+  return choice(row.data, row.info.name + " " + line, line, chosen);
+}
+
 void offer(const Row& row, const std::string& name, const std::string& value) {
-  if (ImGui::Selectable(name.c_str(), row.value == value)) row.set(value);
+  if (choice_of(row, name, row.value == value)) row.set(value);
 }
 
 /// Each word once; the default has a note.
 void draw_words(const Row& row) {
   const bool among = std::ranges::find(row.info.words, row.info.initial) != row.info.words.end();
   ImGui::SetNextItemWidth(row.width);
-  drop_down("##value", row.now(), [&] {
-    if (!among && ImGui::Selectable((row.default_text() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+  drop_down(row.data, row.info.name, "##value", row.now(), [&] {
+    if (!among && choice_of(row, row.default_text() + "  (default)", !row.value)) row.set(std::nullopt);
     for (const std::string& word : row.info.words) {
       const bool is_default = word == row.info.initial;
-      const bool chosen = ImGui::Selectable((is_default ? word + "  (default)" : word).c_str(), word == row.now());
+      const bool chosen = choice_of(row, is_default ? word + "  (default)" : word, word == row.now());
       if (const std::string meaning = meaning_of(row.info.name, word); !meaning.empty()) tip(sentence(meaning));
       if (chosen) row.set(is_default ? std::nullopt : std::optional(word));
     }
@@ -82,43 +86,41 @@ void draw_words(const Row& row) {
 void draw_text(const Row& row, float width) {
   std::string text = row.now();
   ImGui::SetNextItemWidth(width);
-  ImGui::InputText("##value", &text, ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemVisible()) row.data.places.texts.push_back(last_area());
-  row.data.places.named[row.info.name] = last_area();
+  text_field(row.data, row.info.name, "##value", text, ImGuiInputTextFlags_AutoSelectAll);
   // Typed text is not used until it is finished.
   if (ImGui::IsItemDeactivatedAfterEdit()) row.type(text);
 }
 
 void draw_choices(const Row& row) {
   const PanelData& data = row.data;
-  if (ImGui::Selectable((row.default_text() + "  (default)").c_str(), !row.value)) row.set(std::nullopt);
+  if (choice_of(row, row.default_text() + "  (default)", !row.value)) row.set(std::nullopt);
   switch (row.words.kind) {
     case FieldKind::object:
       for (const NamedFile& object : data.objects)
         offer(row, object.name, object.path);
-      if (ImGui::Selectable("choose a file ...")) row.choose_file("a glTF model", {".glb", ".gltf"});
+      if (choice_of(row, "choose a file ...")) row.choose_file("a glTF model", {".glb", ".gltf"});
       break;
     case FieldKind::rig:
       for (const NamedFile& rig : data.rigs)
         offer(row, rig.name, rig.path);
-      if (ImGui::Selectable("choose a file ...")) row.choose_file("a rig", {".toml"});
+      if (choice_of(row, "choose a file ...")) row.choose_file("a rig", {".toml"});
       break;
     case FieldKind::layout:
       for (const std::string& layout : data.layouts)
         offer(row, layout, layout);
-      if (ImGui::Selectable("choose a file ...")) row.choose_file("a layout", {".toml"});
+      if (choice_of(row, "choose a file ...")) row.choose_file("a layout", {".toml"});
       break;
     case FieldKind::source:
       offer(row, "mouse: the pointer holds a fingertip", "mouse");
       offer(row, "synthetic: a fingertip that dips by itself", "synthetic");
-      if (ImGui::Selectable("recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
-      if (ImGui::Selectable("bag: choose a file ...")) row.choose_file("a file of RealSense Viewer", {".bag"}, "bag:");
+      if (choice_of(row, "recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
+      if (choice_of(row, "bag: choose a file ...")) row.choose_file("a file of RealSense Viewer", {".bag"}, "bag:");
       tip("A recording of RealSense Viewer");
       offer(row, "joints: hands from a tracker's program", "joints:udp:9000");
       tip("Lines of JSON that the program sends to UDP port 9000 of this computer");
       break;
     case FieldKind::link:
-      if (ImGui::Selectable("record: choose a file ...")) row.choose_file("a file for the drives", {}, "record:");
+      if (choice_of(row, "record: choose a file ...")) row.choose_file("a file for the drives", {}, "record:");
       tip("Every drive is written into a file");
       offer(row, "foci:udp: to a program on this computer", "foci:udp:127.0.0.1:9000");
       tip("A line of JSON with the foci for each frame, to UDP port 9000");
@@ -145,11 +147,9 @@ void draw_field(const Row& row) {
       row.choose_file(kind == FieldKind::new_file ? "a file to be written" : "a folder", {});
     return;
   }
-  if (ImGui::BeginCombo("##list", "", ImGuiComboFlags_NoPreview | ImGuiComboFlags_PopupAlignLeft)) {
-    draw_choices(row);
-    ImGui::EndCombo();
-  }
-  row.data.places.named[row.info.name + " list"] = last_area();
+  drop_down(
+      row.data, row.info.name + " list", "##list", "", [&] { draw_choices(row); },
+      ImGuiComboFlags_NoPreview | ImGuiComboFlags_PopupAlignLeft);
 }
 
 void draw_label(const Row& row) {
@@ -177,13 +177,12 @@ void draw_option(PanelData& data, const line::OptionInfo& info) {
   row.width = std::max(row.value ? whole - side - gap : whole, 1.0f);
   if (info.flag) {
     bool on = row.value.has_value();
-    if (ImGui::Checkbox("##value", &on)) row.set(on ? std::optional(std::string()) : std::nullopt);
+    if (check_box(data, "##value", on, "", info.name)) row.set(on ? std::optional(std::string()) : std::nullopt);
   } else if (!info.words.empty()) {
     draw_words(row);
   } else {
     draw_field(row);
   }
-  data.places.named.try_emplace(info.name, last_area());
   tip(row.explained());
   if (row.value) {
     ImGui::SameLine();

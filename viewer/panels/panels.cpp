@@ -24,11 +24,10 @@ void draw_tools(PanelData& data) {
     data.asked.record = true;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
-  drop_down("##copy", "Copy", [&] {
-    if (ImGui::Selectable("this picture, as palpa-viewer ...")) data.asked.copy_picture = true;
-    if (ImGui::Selectable("this run, as palpa run ...")) data.asked.copy = true;
+  drop_down(data, "copy", "##copy", "Copy", [&] {
+    if (choice(data, "copy picture", "this picture, as palpa-viewer ...", false)) data.asked.copy_picture = true;
+    if (choice(data, "copy run", "this run, as palpa run ...", false)) data.asked.copy = true;
   });
-  data.places.named["copy"] = last_area();
   tip("A command line that draws this picture, or that does this run without a window. Key: C, and Ctrl C for the run");
   if (recording) {
     ImGui::Text("%s: %s", data.content.run.recording.c_str(), counted(data.content.run.recorded, "frame").c_str());
@@ -97,7 +96,8 @@ void draw_panels(PanelData& data) {
   if (data.content.opening) draw_opening(data);
   if (data.help) draw_key_sheet(data);
   if (data.picker) draw_file_picker(data);
-  draw_state_strip(data);  // last, over everything
+  draw_state_strip(data);                            // last, over everything
+  if (!ImGui::IsAnyItemActive()) data.drag.reset();  // of a widget that is not drawn any more
 }
 
 }  // namespace palpa::viewer

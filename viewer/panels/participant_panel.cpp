@@ -9,30 +9,19 @@
 namespace palpa::viewer {
 namespace {
 
-constexpr float mm = 1e-3f;
-
-/// Only by dragging: nothing is typed, so keys stay keys.
-bool drag(const char* label, double& value, float unit, float speed, float low, float high, const char* format) {
-  auto shown = static_cast<float>(value) / unit;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
-  if (!ImGui::DragFloat(label, &shown, speed, low, high, format,
-                        ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp))
-    return false;
-  value = static_cast<double>(shown * unit);
-  return true;
-}
+constexpr double mm = 1e3;  ///< per metre
 
 void draw_barrier(PanelData& data, Participant& setting) {
   // For a full HD screen. The picture itself is computed with the window's own pixels.
   Barrier barrier = barrier_of(setting, 1920, 1080);
-  if (drag("pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
+  if (drag(data, "pitch", barrier.pitch_m, mm, 1e-4f, 0.01f, 5, "%.4f mm")) setting.barrier_pitch_m = barrier.pitch_m;
   tip("Distance from slit to slit; with rows, of two rows");
   if (setting.stereo == Stereo::columns) {
-    if (drag("gap", barrier.gap_m, mm, 0.01f, -50, 50, "%.2f mm") && barrier.gap_m != 0)
+    if (drag(data, "gap", barrier.gap_m, mm, 0.01f, -50, 50, "%.2f mm") && barrier.gap_m != 0)
       setting.barrier_gap_m = barrier.gap_m;
     tip("From the screen to its barrier, towards the eyes");
   }
-  drag("phase", setting.barrier_phase, 1, 0.005f, 0, 1, "%.3f");
+  drag(data, "phase", setting.barrier_phase, 1, 0.005f, 0, 1, "%.3f");
   tip("Position of the slits, as a part of the pitch");
   if (button(data, "reset the barrier", "Pitch and gap at which each eye sees every other pixel")) {
     setting.barrier_pitch_m.reset();
@@ -58,23 +47,23 @@ void draw_participant_panel(PanelData& data) {
   ImGui::BeginDisabled(view.open);
   ImGui::SetNextItemWidth(-1);
   const std::string now = view.monitor < view.monitors.size() ? view.monitors[view.monitor] : "no monitor";
-  drop_down("##monitor", now, [&] {
-    if (const auto chosen = select_of(view.monitors, view.monitor)) view.monitor = *chosen;
+  drop_down(data, "monitor", "##monitor", now, [&] {
+    if (const auto chosen = select_of(data, "monitor", view.monitors, view.monitor)) view.monitor = *chosen;
   });
   ImGui::EndDisabled();
   tip("Which monitor it fills");
   if (!view.setting) return;
   Participant& setting = *view.setting;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
-  drop_down(data, "stereo", stereo_words, setting.stereo, "stereo");
+  drop_down(data, "stereo", "stereo", stereo_words, setting.stereo);
   tip("How the two eyes' pictures become one");
-  drag("eyes apart", setting.eyes_apart_m, mm, 0.1f, 1, 100, "%.1f mm");
+  drag(data, "eyes apart", setting.eyes_apart_m, mm, 0.1f, 1, 100, "%.1f mm");
   tip("From eye to eye");
   Participant moved = setting;
   bool changed = false;
   for (int i = 0; i < 3; ++i) {
     const char* const names[] = {"eye x", "eye y", "eye z"};
-    changed = drag(names[i], moved.screen.eye_m[i], mm, 0.5f, -3000, 3000, "%.0f mm") || changed;
+    changed = drag(data, names[i], moved.screen.eye_m[i], mm, 0.5f, -3000, 3000, "%.0f mm") || changed;
     tip("Between the participant's eyes, in the world");
   }
   if (changed && in_front(moved.screen)) setting = moved;

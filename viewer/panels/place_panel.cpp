@@ -1,6 +1,5 @@
 // How deep fingers are, moving things by hand, and marks that lie flat on the picture.
 #include <imgui.h>
-#include <imgui_stdlib.h>
 
 #include <algorithm>
 
@@ -71,11 +70,10 @@ void draw_place_panel(PanelData& data) {
   }
   const char* none = "none";
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.6f);
-  drop_down("handles", placing.chosen() ? placing.names()[*placing.chosen()] : none, [&] {
-    if (ImGui::Selectable(none, !placing.chosen())) placing.choose(std::nullopt);
-    if (const auto chosen = select_of(placing.names(), placing.chosen())) placing.choose(chosen);
+  drop_down(data, "handles", "handles", placing.chosen() ? placing.names()[*placing.chosen()] : none, [&] {
+    if (choice(data, "handles none", none, !placing.chosen())) placing.choose(std::nullopt);
+    if (const auto chosen = select_of(data, "handles", placing.names(), placing.chosen())) placing.choose(chosen);
   });
-  data.places.named["handles"] = last_area();
   tip("What is moved and turned by handles in the picture; with Ctrl in steps of 1 mm and 5 degrees. Key: G");
   if (button(data, "undo", "Undoes the last move. Key: Ctrl Z", placing.can_undo())) placing.undo();
   ImGui::SameLine();
@@ -88,8 +86,7 @@ void draw_place_panel(PanelData& data) {
   ImGui::SameLine();
   const float wide = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - wide - gap, 1.0f));
-  ImGui::InputText("##file", &data.moved_file);
-  if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
+  text_field(data, "moved file", "##file", data.moved_file);
   tip("A .glb file; an existing one is replaced");
   ImGui::SameLine(0, gap);
   if (button(data, "...", "Chooses a folder and a name", true, "name of moved objects", {wide, 0}))

@@ -150,8 +150,7 @@ void draw_sound_panel(PanelData& data) {
   layer("on the finger", Layer::heat, "What the finger feels, on the mesh of --skin");
   if (data.state.layers.shows(Layer::heat)) {
     ImGui::SetNextItemWidth(em(7));
-    drop_down(data, "##heat", skin_colour_words, data.state.skin_colour, "heat");
-    data.places.named["heat of"] = last_area();
+    drop_down(data, "heat of", "##heat", skin_colour_words, data.state.skin_colour);
     tip("The mean radiation pressure, or the rates of a class of afferents: slowly adapting (SA1), rapidly adapting "
         "(RA), Pacinian (PC)");
   }
@@ -167,7 +166,8 @@ void draw_sound_panel(PanelData& data) {
   Vec2& size_m = data.state.slice.size_m;
   double side_m = size_m.x;
   ImGui::SetNextItemWidth(-1);
-  if (slider("##size", side_m, 1e3, 5, 300, "side %.0f mm", ImGuiSliderFlags_Logarithmic)) size_m *= side_m / size_m.x;
+  if (slider(data, "side", "##size", side_m, 1e3, 5, 300, "side %.0f mm", ImGuiSliderFlags_Logarithmic))
+    size_m *= side_m / size_m.x;
   tip("How large it is");
 }
 

@@ -66,7 +66,7 @@ void draw_all_off(PanelData& data, bool off, const ImVec2& size) {
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4{0.30f, 0.05f, 0.05f, 1});
   ImGui::PushStyleColor(ImGuiCol_Border, off ? ImVec4{0, 0, 0, 0.9f} : ImVec4{1, 1, 1, 0.9f});
   ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, std::max(em(off ? 0.16f : 0.08f), 1.0f));
-  if (ImGui::Button("ALL OFF", size)) data.asked.all_off = true;
+  if (button(data, "ALL OFF", "", true, {}, size)) data.asked.all_off = true;
   data.places.all_off = last_area();
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(4);
@@ -78,7 +78,7 @@ void draw_start(PanelData& data, const ImVec2& size) {
   ImGui::PushStyleColor(ImGuiCol_Button, ImVec4{1, 1, 1, 0.20f});
   ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImVec4{1, 1, 1, 0.35f});
   ImGui::PushStyleColor(ImGuiCol_ButtonActive, ImVec4{1, 1, 1, 0.5f});
-  if (ImGui::Button("Start", size)) data.asked.start = true;
+  if (button(data, "Start", "", true, {}, size)) data.asked.start = true;
   data.places.start = last_area();
   ImGui::PopStyleColor(3);
   ImGui::EndDisabled();
@@ -101,7 +101,7 @@ void draw_ceiling(PanelData& data, float width) {
   const ImGuiSliderFlags flags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp;
   if (ImGui::SliderFloat("##ceiling", &shown, 0, 100, "ceiling %.0f %%", flags))
     data.ceiling = std::clamp(std::round(static_cast<double>(shown)) / 100, 0.0, 1.0);
-  data.places.ceiling = last_area();
+  data.places.ceiling = data.places.named["ceiling"] = last_area();
   if (!ImGui::IsItemActive() && data.ceiling) {
     const double ceiling = *std::exchange(data.ceiling, std::nullopt);
     data.asked.options.push_back(

@@ -42,7 +42,8 @@ void draw_slots(PanelData& data) {
   if (moves.play) time.playing = !time.playing;
   data.asked.slots += moves.step;
   ImGui::SetNextItemWidth(em(9));
-  slider("speed##slots", time.slots_per_s, 1, 0.5f, 667, "%.1f slots/s", ImGuiSliderFlags_Logarithmic);
+  slider(data, "slots speed", "speed##slots", time.slots_per_s, 1, 0.5f, 667, "%.1f slots/s",
+         ImGuiSliderFlags_Logarithmic);
   tip("How fast slots are shown; with a dwell of 1.5 ms, 667 slots/s is the array's own speed. Keys: - and +");
 }
 
@@ -64,12 +65,13 @@ void draw_recording(PanelData& data) {
   int frame = static_cast<int>(play.frame);
   const std::string place = fmt::format("frame %d, {:.2f} of {:.2f} s", play.time_s, play.length_s);
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderInt("##frame", &frame, 0, std::max(static_cast<int>(play.frames) - 1, 1), place.c_str(),
-                       ImGuiSliderFlags_NoInput))
+  if (slider(data, "recording frame", "##frame", frame, std::max(static_cast<int>(play.frames) - 1, 1), place.c_str()))
     data.asked.go_to = static_cast<std::uint64_t>(std::clamp(frame, 0, static_cast<int>(play.frames) - 1));
   tip("Where the recording is");
   ImGui::SetNextItemWidth(em(9));
-  changed = slider("speed##recording", play.speed, 1, 0.05f, 4, "%.2f x", ImGuiSliderFlags_Logarithmic) || changed;
+  changed = slider(data, "recording speed", "speed##recording", play.speed, 1, 0.05f, 4, "%.2f x",
+                   ImGuiSliderFlags_Logarithmic) ||
+            changed;
   tip("How fast the recording plays; 1 x is as it was recorded");
   if (changed) data.asked.play = play;
 }

@@ -60,11 +60,11 @@ void draw_standpoints(PanelData& data) {
 void draw_view_panel(PanelData& data) {
   draw_standpoints(data);
   ImGui::SetNextItemWidth(em(7));
-  drop_down(data, "fine pictures", fine_words, data.state.fine, "fine");
+  drop_down(data, "fine pictures", "fine pictures", fine_words, data.state.fine);
   tip("Four samples for each pixel. auto: if drawing is slow, one sample while the picture moves, and four when it "
       "rests");
   ImGui::SetNextItemWidth(em(7));
-  slider("parts apart", data.state.explode, 100, 0, 100, "%.0f %%");
+  slider(data, "parts apart", "parts apart", data.state.explode, 100, 0, 100, "%.0f %%");
   tip("How far convex parts are drawn apart, as a share of their solid's size");
   if (!ImGui::BeginTable("layers", 2, ImGuiTableFlags_SizingStretchSame)) return;
   for (const LayerRow& row : layer_rows) {
@@ -75,7 +75,7 @@ void draw_view_panel(PanelData& data) {
     check_box(data, row.name, layer.visible, std::string(row.about) + ". In --show and --hide: " + word, word);
     ImGui::TableNextColumn();
     ImGui::SetNextItemWidth(-1);
-    slider("##opacity", layer.opacity, 100, 0, 100, "%.0f %%");
+    slider(data, "opacity " + word, "##opacity", layer.opacity, 100, 0, 100, "%.0f %%");
     tip("How opaque the layer is, relative to its usual look");
     ImGui::PopID();
   }

@@ -53,7 +53,7 @@ void draw_welcome(PanelData& data) {
     for (const std::string& file : data.content.recent) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
-      if (ImGui::Selectable(name.c_str())) data.asked.open = file;
+      if (choice(data, "recent " + file, name, false)) data.asked.open = file;
       tip(file);
       ImGui::PopID();
     }

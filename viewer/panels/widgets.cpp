@@ -1,5 +1,7 @@
 #include "viewer/panels/widgets.hpp"
 
+#include <imgui_stdlib.h>
+
 #include "viewer/panels/panels.hpp"
 
 namespace palpa::viewer {
@@ -90,20 +92,62 @@ bool check_box(PanelData& data, const std::string& label, bool& value, const std
   return changed;
 }
 
-std::optional<std::size_t> select_of(const std::vector<std::string>& names, std::optional<std::size_t> now) {
+bool slider(PanelData& data, const std::string& name, const char* label, int& value, int high, const char* format) {
+  const int before = value;
+  const bool changed = ImGui::SliderInt(label, &value, 0, high, format, ImGuiSliderFlags_NoInput);
+  return after_drag(data, name, value, before, changed);
+}
+
+bool drag(PanelData& data, const char* label, double& value, double scale, float speed, float low, float high,
+          const char* format) {
+  const double before = value;
+  auto shown = static_cast<float>(value * scale);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x * 0.5f);
+  const bool changed = ImGui::DragFloat(label, &shown, speed, low, high, format,
+                                        ImGuiSliderFlags_NoInput | ImGuiSliderFlags_AlwaysClamp);
+  if (changed) value = static_cast<double>(shown) / scale;
+  return after_drag(data, label, value, before, changed);
+}
+
+bool text_field(PanelData& data, const std::string& name, const char* label, std::string& text,
+                ImGuiInputTextFlags flags, const char* hint) {
+  const bool entered = ImGui::InputTextWithHint(label, hint, &text, flags);
+  if (ImGui::IsItemVisible()) data.places.texts.push_back(last_area());
+  data.places.named[name] = last_area();
+  return entered;
+}
+
+bool choice(PanelData& data, const std::string& name, const std::string& label, bool chosen,
+            ImGuiSelectableFlags flags) {
+  const bool pressed = ImGui::Selectable(label.c_str(), chosen, flags);
+  data.places.named[name] = last_area();
+  return pressed;
+}
+
+void drop_down(PanelData& data, const std::string& name, const char* label, const std::string& now,
+               const std::function<void()>& choices, ImGuiComboFlags flags) {
+  if (ImGui::BeginCombo(label, now.c_str(), flags)) {
+    choices();
+    ImGui::EndCombo();
+  }
+  data.places.named[name] = last_area();
+}
+
+std::optional<std::size_t> select_of(PanelData& data, const std::string& name, const std::vector<std::string>& lines,
+                                     std::optional<std::size_t> now) {
   std::optional<std::size_t> chosen;
-  for (std::size_t i = 0; i < names.size(); ++i) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
-    if (ImGui::Selectable(names[i].c_str(), now == i)) chosen = i;
+    if (choice(data, name + " " + lines[i], lines[i], now == i)) chosen = i;
     ImGui::PopID();
   }
   return chosen;
 }
 
-void drop_down(const char* label, const std::string& now, const std::function<void()>& choices) {
-  if (!ImGui::BeginCombo(label, now.c_str())) return;
-  choices();
-  ImGui::EndCombo();
+void name_closer(PanelData& data, const std::string& name) {
+  const ImVec2 at = ImGui::GetWindowPos();
+  const double right = at.x + ImGui::GetWindowWidth(), side = ImGui::GetFrameHeight();
+  data.places.named[name] = {right - side, at.y, right, at.y + side};
 }
 
 Area free_area(const PanelData& data) {

@@ -159,7 +159,7 @@ class LiveAppWithPanels : public LiveApp {
  protected:
   explicit LiveAppWithPanels(const Size& size = {400, 300}) : LiveApp(true, size) {}
 
-  void draw(int pictures = 3) {
+  virtual void draw(int pictures = 3) {
     for (int i = 0; i < pictures; ++i) {
       go_round();
       app_->render(size_, 1, now_s_);

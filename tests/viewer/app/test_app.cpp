@@ -225,7 +225,10 @@ TEST_F(LiveApp, ACtrlClickReadsWhatIsNearestAndHowDeepItIs) {
   make_touch();
   const auto read_at = [&](const Vec3& world) {
     const Projected at = pixel_of(world);
+    app_->render(size_, 1, now_s_);
+    EXPECT_FALSE(app_->dirty());
     send({.kind = Kind::press, .x = at.x, .y = at.y, .ctrl = true});
+    EXPECT_TRUE(app_->dirty()) << "what was read is drawn";
     return app_->data().reading.value_or(Reading());
   };
   for (const bool behind : {false, true}) {

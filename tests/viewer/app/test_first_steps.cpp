@@ -92,14 +92,18 @@ TEST_F(FirstSteps, AFileIsOpenedByItsName) {
 TEST_F(FirstSteps, AFingerStaysWhileThePointerIsOverAPanel) {
   begin_empty();
   open_cube();
-  button(Kind::move, 300, 700);
-  button(Kind::move, 310, 700);
-  draw();
-  ASSERT_TRUE(app_->data().placing->holds_finger());
-  const Transform before = app_->data().placing->finger();
-  button(Kind::move, 900, 300);
-  draw();
-  EXPECT_EQ(app_->data().placing->finger(), before);
+  for (const bool after_a_drag : {false, true}) {
+    button(Kind::move, 300, 700);
+    if (after_a_drag) button(Kind::press, 300, 700);
+    button(Kind::move, 310, 700);
+    if (after_a_drag) button(Kind::release, 310, 700);
+    draw();
+    ASSERT_TRUE(app_->data().placing->holds_finger());
+    const Transform before = app_->data().placing->finger();
+    button(Kind::move, 900, 300);
+    draw();
+    EXPECT_EQ(app_->data().placing->finger(), before) << after_a_drag;
+  }
 }
 
 TEST_F(FirstSteps, APlyIsWhatTouches) {
@@ -190,6 +194,16 @@ TEST_F(FirstSteps, AChosenPlaneOfTheFieldStays) {
   EXPECT_EQ(app_->data().state.slice.T_world_slice, placed);
   type("--foci", "0");
   EXPECT_TRUE(chosen("yz")) << "after a refusal: " << copied_;
+}
+
+TEST_F(FirstSteps, TheCopiedLineOfAnUntouchedViewHasNoLayers) {
+  make_touch();
+  draw();
+  key('c');
+  draw();
+  EXPECT_TRUE(copied_.starts_with("palpa-viewer ")) << copied_;
+  for (const char* option : {"--opacity", "--show", "--hide", "--explode", "--heat", "--dark", "--slice"})
+    EXPECT_EQ(copied_.find(option), std::string::npos) << copied_;
 }
 
 TEST_F(FirstSteps, KeysWithoutAnEffectSaySo) {
