@@ -80,3 +80,13 @@ function(palpa_find_vhacd)
 endfunction()
 
 palpa_find_vhacd()
+
+# For each part, V-HACD sorts the surfaces of all voxels for rays that only its option m_findBestPlane casts. palpa does
+# not use this option, so it compiles a copy that leaves them out: the same parts in a third of the time or less.
+if(PALPA_VHACD_DIR)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PALPA_VHACD_DIR}/VHACD.h)
+  set(PALPA_QUICK_VHACD_DIR ${PROJECT_BINARY_DIR}/vhacd/quick)
+  file(READ ${PALPA_VHACD_DIR}/VHACD.h text)
+  string(REPLACE "BuildRaycastMesh(); // build a raycast mesh of the voxel mesh" "" text "${text}")
+  file(CONFIGURE OUTPUT ${PALPA_QUICK_VHACD_DIR}/VHACD.h CONTENT "${text}" @ONLY)
+endif()

@@ -24,6 +24,10 @@ double Random::normal() {
   return normal_quantile(uniform());
 }
 
+float Random::normal_float() {
+  return normal_quantile_float(uniform());
+}
+
 std::uint32_t Random::binomial(std::uint32_t trials, double p) {
   std::uint32_t successes = 0;
   for (std::uint32_t i = 0; i < trials; ++i)

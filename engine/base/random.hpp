@@ -17,6 +17,7 @@ class Random {
   /// Uniform in 0 ... count - 1.
   std::size_t below(std::size_t count);
   double normal();
+  float normal_float();  ///< normal(), rounded
   /// The number of successes of `trials`, each with the probability p.
   std::uint32_t binomial(std::uint32_t trials, double p);
 

@@ -65,8 +65,9 @@ class Observer {
 
  private:
   const Templates& templates_;
-  std::size_t points_;
-  std::vector<float> noise_;  // [placement][pair of draws][template]: n.t of the first; the second is its mirror image
+  std::size_t points_, blocks_;
+  // [placement][eight pairs of draws][template][pair]: n.t of its first draw; the second is the mirror image
+  std::vector<float> noise_;
 };
 
 /// The sigma with which the observer's accuracy is `accuracy`; 0 if it is lower even almost without noise.

@@ -84,8 +84,9 @@ TEST(Changes, FociThatStandStillHaveShortSlotsWhereTheBusCarriesTheirSteps) {
   for (const std::size_t boards : {1UL, 2UL, 11UL})
     EXPECT_EQ(still_slot_s(boards_of("openmpd", boards)), 0.3e-3) << boards;
   EXPECT_EQ(still_slot_s(boards_of("openmpd", 12)), 0);
-  for (const char* type : {"autd3", "sonicsurface", "another"})
-    EXPECT_EQ(still_slot_s(boards_of(type, 1)), 0) << type;
+  for (const BoardType& type : board_types())
+    EXPECT_EQ(still_slot_s(boards_of(type.name, 1)), &type == openmpd ? 0.3e-3 : 0) << type.name;
+  EXPECT_EQ(still_slot_s(boards_of("another", 1)), 0);
   EXPECT_EQ(still_slot_s({}), 0);
   EXPECT_EQ(autd3->modulation_slot_s, 0.25e-3);
 }

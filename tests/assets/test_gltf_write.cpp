@@ -72,8 +72,20 @@ TEST_F(WriteGlb, GivesHapticsBack) {
   usual_click.press_depth_m = 0.003;
   usual_click.click.emplace();
   no_click.click = Click{.burst_s = 0};
-  const std::vector<SceneMesh> meshes{
+  std::vector<SceneMesh> meshes{
       {"all", triangle(0), all}, {"usual", triangle(2), usual_click}, {"no", triangle(4), no_click}};
+  // One value differs from the usual ones.
+  for (const Click& click : {Click{.hz = 160}, Click{.burst_s = 0.05}})
+    meshes.push_back({"a click", triangle(6), {.press_depth_m = 0.003, .click = click}});
+  for (const Haptics& one : {Haptics{.delta_m = 0.002},
+                             {.dwell_s = 2e-3},
+                             {.pressure_pa = 900},
+                             {.foci = 7},
+                             {.foci = 9, .stride = 2},
+                             {.stiffness = {{{0, 0.5}}}},
+                             {.texture = {{0, 0.5, 0}}},
+                             {.texture = {{1, 0, 0.5}}, .grain_m = 0.005}})
+    meshes.push_back({"one", triangle(8), one});
   write_glb(file_, meshes);
   const Scene scene = load_gltf(file_);
   ASSERT_EQ(scene.meshes.size(), meshes.size());

@@ -33,5 +33,18 @@ TEST(Random, NormalNumbersAreNormal) {
   EXPECT_NEAR(within_one / double{many}, normal_cdf(1) - normal_cdf(-1), 0.006);
 }
 
+TEST(Random, NormalFloatsAreNormalNumbersRounded) {
+  Random random(8), again(8);
+  for (int i = 0; i < 100'000; ++i)
+    ASSERT_EQ(random.normal_float(), static_cast<float>(again.normal())) << i;
+  for (double p = 0x1p-54; p < 1; p = p < 0.25 ? 1.001 * p : p + 1e-4)
+    ASSERT_EQ(normal_quantile_float(p), static_cast<float>(normal_quantile(p))) << p;
+  for (int i = 1; i < 50; ++i) {
+    const double near = std::ldexp(1, -i);
+    for (const double p : {0.5 - near / 2, 0.5 + near / 2, 1 - near})
+      EXPECT_EQ(normal_quantile_float(p), static_cast<float>(normal_quantile(p))) << p;
+  }
+}
+
 }  // namespace
 }  // namespace palpa

@@ -11,6 +11,7 @@
 #include "array/layouts/layout.hpp"
 #include "base/error.hpp"
 #include "driver/autd3/board.hpp"
+#include "driver/board.hpp"
 #include "driver/cameras/match.hpp"
 #include "driver/guard/board_link.hpp"
 #include "driver/openmpd/board.hpp"
@@ -58,7 +59,7 @@ TEST(AtLimits, FramesOfTwoCamerasFitUpToHalfAPeriodAndItsJitter) {
 
 TEST(AtLimits, ABoardHasSlotsOfAtMostFiftyMilliseconds) {
   const array::Layout layout = array::load_layout("openmpd");
-  for (const BoardKind& kind : {openmpd::board_kind(), sonicsurface::board_kind(), autd3::board_kind()}) {
+  for (const BoardKind& kind : board_kinds()) {
     const session::LinkKind link = board_link(kind, "/nonexistent/guard");
     const auto fault = [&](double slot_s) {
       return said_by([&] { link.open("x", {.layout = layout, .slot_s = slot_s}); });

@@ -151,26 +151,61 @@ def test_of_a_power(tmp_path):
     compare(rows[1:], [[one[key] for key in ("participants", "power", "interval")] for one in j["rows"]])
 
 
-def test_of_a_simulation(tmp_path):
-    run(["study", "simulate", "assets/studies/five-minutes.toml", "--beside", "paper", "--quiet", "--html", str(tmp_path / "o.html"), "--json", str(tmp_path / "o.json")])
+PLAN = """[study]
+participants = 3
+trials_per_shape = 5
+touch_s = 2
+[observer]
+depths_mm = [1]
+placements = 3
+lateral_mm = 0.05
+yaw_deg = 0.5
+[fit]
+method = "cross-section"
+accuracy = 0.6
+trials = 30
+[level]
+ceiling = 0.04
+[[shape]]
+name = "one"
+model = "palpa:cube.glb"
+[[shape]]
+name = "other"
+model = "palpa:prism.glb"
+[[method]]
+name = "single-focus"
+layout = "openmpd"
+[[method]]
+name = "cross-section"
+layout = "openmpd"
+foci = 4
+"""
+
+
+def test_of_a_simulation(tmp_path, bodies):
+    bodies(tmp_path)
+    (tmp_path / "plan.toml").write_text(PLAN)
+    (tmp_path / "cross-section.csv").write_text("actual,one,other\none,9,1\nother,4,6\n")
+    run(["study", "simulate", str(tmp_path / "plan.toml"), "--finger", str(tmp_path / "tip.ply"), "--beside", str(tmp_path / "cross-section.csv"), "--quiet",
+         "--html", str(tmp_path / "o.html"), "--json", str(tmp_path / "o.json")])
     j, tables = json.loads((tmp_path / "o.json").read_text()), [(heading, rows[1:]) for heading, rows in tables_of(tmp_path / "o.html")]
-    prediction, beside = j["prediction"], j["beside"]
+    prediction, (beside,) = j["prediction"], j["beside"]
     shapes, plan = prediction["shapes"], prediction["plan_level"]
 
     def accuracies(name, one):
-        return [name, one["what"], *[f"{method['accuracy']} ({shown(method['fitted_interval'])})" for method in one["methods"]]]
+        return [name, one["what"], *([f"{method['accuracy']} ({shown(method['fitted_interval'])})" for method in one["methods"]] or ["-"] * 2)]
     compare(tables.pop(0)[1], [accuracies(one["name"], one) for one in prediction["variants"]]
             + [accuracies(f"level {one['name']}", one["prediction"]) for one in prediction["levels"]]
             + [accuracies(f"level plan ({1e3 * plan['crest_n']} mN), noise of the reference", plan["prediction"])]
             + [accuracies(f"null: {one['name']}", one) for one in prediction["nulls"]])
-    for method, people_of in zip(prediction["variants"][0]["methods"], beside, strict=True):
-        wanted = [[shape, *[f"{share} ({count / sum(counts)})" for share, count in zip(shares, counts)]]
-                  for shape, shares, counts in zip(shapes, method["shares"], people_of["counts"])]
+    for method in prediction["variants"][0]["methods"]:
+        people_of = beside["counts"] if method["method"] == beside["method"] else None
+        wanted = [[shape, *[f"{share} ({people_of[s][a] / sum(people_of[s])})" if people_of else share for a, share in enumerate(shares)]]
+                  for s, (shape, shares) in enumerate(zip(shapes, method["shares"]))]
         compare(tables.pop(0)[1], wanted)
-    for people_of in beside:
-        heading, rows = tables.pop(0)
-        assert heading == "Beside people"
-        compare(rows, [[one["name"], one["rms"], one["errors_r"], one["log_likelihood"]] for one in people_of["fits"]])
+    heading, rows = tables.pop(0)
+    assert heading == "Beside people"
+    compare(rows, [[one["name"], one["rms"], one["errors_r"], one["log_likelihood"]] for one in beside["fits"]])
     studies = {one["method"]: one["accuracy"] for one in prediction["studies"]}
     compare(tables.pop(0)[1], [[one["method"], one["rank"], one["accuracy"], one["variants"], one["to_best"], one["spread"], studies[one["method"]]]
                                for one in prediction["ranking"]])

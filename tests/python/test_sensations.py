@@ -81,6 +81,17 @@ def test_its_speed_is_that_of_the_command(tmp_path):
         palpa.Sensation(circle).play(speed=2, layout="openmpd", duration=0.01)
 
 
+def test_the_next_play_has_options_of_its_own(tmp_path):
+    def play(sensation, name, **options):
+        sensation.play(layout="openmpd", link=f"record:{tmp_path / name}", **({"duration": 0.05} | options))
+        return (tmp_path / name).read_bytes()
+    used = palpa.Sensation("sweep")
+    usual = play(palpa.Sensation("sweep"), "usual.bin")
+    for options in ({"speed": 2}, {"at": (0.01, 0, 0.1)}, {"dwell": 0.5e-3}, {"duration": 0.02}, {"ceiling": 0.5}):
+        assert play(used, "other.bin", **options) is not None
+        assert play(used, "again.bin") == usual, options
+
+
 def test_a_function_plays_and_is_recorded(tmp_path):
     file = tmp_path / "drives.bin"
     own = palpa.Sensation(circle)

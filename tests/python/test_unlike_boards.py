@@ -31,6 +31,13 @@ def file_of(folder, order, **changes):
     return file
 
 
+def test_every_type_of_board_is_here(folder):
+    (folder / "unknown.toml").write_text('[[unit]]\ntype = "unknown"\nposition_m = [0, 0, 0]\nquaternion_wxyz = [1, 0, 0, 0]\n')
+    with pytest.raises(palpa.Error) as fault:
+        palpa.Layout(folder / "unknown.toml")
+    assert set(str(fault.value).partition("known: ")[2].split(", ")) == set(UNITS)
+
+
 def layout_of(folder, order, **changes):
     return palpa.Layout(file_of(folder, order, **changes))
 

@@ -86,6 +86,18 @@ TEST(ReadPattern, TakesOldNamesAndAMissingFrequency) {
   EXPECT_EQ(sensation::fastest_hz(pattern, sensation::values_of(pattern, {})), 100);
 }
 
+TEST(ReadPattern, TheFastestOfBrushesAndModulations) {
+  const auto fastest = [](double stm_hz, double am_hz) {
+    const std::string brushes = test::brush(
+        "circle", fmt::format(R"("radius":{},"am_freq":{},"stm_freq":{})", f64(5), f64(am_hz), f64(stm_hz)));
+    const auto pattern = sensation::parse_pattern(
+        PatternText{.keyframes = key("standard", 0, coords(0, 0, 0) + brushes)}.text(), "p.adaptics");
+    return sensation::fastest_hz(pattern, sensation::values_of(pattern, {}));
+  };
+  EXPECT_EQ(fastest(50, 300), 300);
+  EXPECT_EQ(fastest(120, 30), 120);
+}
+
 TEST(ReadPattern, WarnsOnceOfKeysThatItIgnores) {
   const std::string told = stderr_of([] {
     sensation::parse_pattern(PatternText{.keyframes = key("stop", 5, ",\"odd\":1") + "," +

@@ -393,6 +393,10 @@ TEST(SafeLink, AGainMultipliesTheCeilingAndNeverRaisesIt) {
     EXPECT_EQ(plays(7), 0.5f);
     EXPECT_EQ(plays(-1), 0.0f);
     EXPECT_EQ(plays(std::numeric_limits<double>::quiet_NaN()), 0.0f);
+    if (changing) {
+      ceiling = 0.25;
+      EXPECT_EQ(plays(0.5), 0.125f);
+    }
     safe.plan(p.at(p.nothing, slot));
     EXPECT_EQ(p.spy.plans.back().voices, 0u);
     EXPECT_FALSE(safe.must_fade()) << "there is no ramp";

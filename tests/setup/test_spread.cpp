@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ TEST(Spread, ReadsTexts) {
             (Spread{.amplitude = 0.1, .phase_rad = 0.2, .position_m = 5e-4, .temperature = 2}));
   EXPECT_EQ(setup::parse_spread("position=0.0005,amplitude=0.1"), (Spread{.amplitude = 0.1, .position_m = 5e-4}));
   EXPECT_EQ(setup::parse_spread("phase=0"), Spread());
+  EXPECT_EQ(setup::parse_spread("amplitude=100%,phase=3.141592653589793,position=10mm,temperature=20"),
+            (Spread{.amplitude = 1, .phase_rad = std::numbers::pi, .position_m = 0.01, .temperature = 20}));
 }
 
 TEST(Spread, RefusesOtherTexts) {
@@ -43,14 +46,15 @@ TEST(Spread, RefusesOtherTexts) {
   refused("", "'' is not one of");
   refused("phase=0.1,", "'' is not one of");
   refused("phase=0.1,phase=0.1", "phase is given twice");
-  for (const char* bad :
-       {"amplitude=-1%", "amplitude=101%", "amplitude=10mm", "amplitude=", "amplitude=%", "amplitude=nan"})
+  for (const char* bad : {"amplitude=-1%", "amplitude=101%", "amplitude=100.00000000000003%", "amplitude=10mm",
+                          "amplitude=", "amplitude=%", "amplitude=nan"})
     refused(bad, "is not a part such as 0.1 or 10%, from 0 to 100%");
-  for (const char* bad : {"phase=-0.1", "phase=4", "phase=10%", "phase=inf"})
+  for (const char* bad : {"phase=-0.1", "phase=4", "phase=3.1415926535897936", "phase=10%", "phase=inf"})
     refused(bad, "is not an angle in radians");
-  for (const char* bad : {"position=-1mm", "position=11mm", "position=5%", "position=1s"})
+  for (const char* bad :
+       {"position=-1mm", "position=11mm", "position=10.000000000000003mm", "position=5%", "position=1s"})
     refused(bad, "is not a length");
-  for (const char* bad : {"temperature=-1", "temperature=21", "temperature=2K"})
+  for (const char* bad : {"temperature=-1", "temperature=21", "temperature=20.000000000000004", "temperature=2K"})
     refused(bad, "is not kelvins");
 }
 

@@ -171,6 +171,17 @@ TEST(StudyAnalysis, CountsTrialsThatWereBrokenOff) {
   EXPECT_CONTAINS(analysis_csv(analysis), ",void\n");
 }
 
+TEST(StudyAnalysis, TrialsThatWereBrokenOffAreTheMethodsOwn) {
+  Study study = study_of({{20, 30}, {20, 30}}, {"single-focus", "cross-section"});
+  study.participants[0].voids = {3, 5};
+  study.participants[1].voids = {7, 11};
+  std::erase_if(study.participants[1].trials, [](const Trial& trial) { return trial.method == 0; });
+  std::vector<std::uint32_t> voids;
+  for (const PersonResult& result : analyse(std::move(study), 0).results.people)
+    voids.push_back(result.voids);
+  EXPECT_EQ(voids, (std::vector<std::uint32_t>{3, 5, 11}));
+}
+
 TEST(StudyAnalysis, DepthsAreMeansOverPeopleInEachBin) {
   Study study = study_of({{20, 30}, {20, 30}, {20, 30}}, {"single-focus", "cross-section"});
   for (const double deep_m : {1e-3, 3e-3}) {

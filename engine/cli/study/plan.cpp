@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -55,12 +55,11 @@ constexpr double paper_n = 16e-3;
 Strength strength_of(const study::StudyPlan& plan, std::span<const Box> objects) {
   experiment::ObservedFinger finger(setup::find_asset("finger.ply"));
   const double paper_ceiling = experiment::ceiling_for_n(plan, paper_n, finger);
+  double full_db = 0;
+  study::EarLevel level = study::predict_ear_level(plan, objects, nullptr, &full_db);
   // Boards play full amplitude exactly, and sound pressure follows the ceiling.
-  study::StudyPlan full = plan;
-  full.level.ceiling = 1;
-  full.level.limit_db = std::numeric_limits<double>::infinity();
-  const double paper_db = study::predict_ear_level(full, objects).loudest_db() + 20 * std::log10(paper_ceiling);
-  return {study::predict_ear_level(plan, objects), experiment::crest_force_n(plan, finger), paper_ceiling, paper_db};
+  const double paper_db = full_db + 20 * std::log10(paper_ceiling);
+  return {std::move(level), experiment::crest_force_n(plan, finger), paper_ceiling, paper_db};
 }
 
 std::string plan_text(const study::StudyPlan& plan, std::uint32_t participant, const std::vector<study::Step>& steps,

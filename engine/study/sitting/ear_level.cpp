@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "acoustics/air.hpp"
 #include "acoustics/field/incident.hpp"
@@ -107,11 +111,12 @@ double level_of(double pascals) {
   return 20 * std::log10(std::max(pascals, 1e-12) / std::numbers::sqrt2 / reference_pa);
 }
 
-/// The pressure at the place if the sounds of all transducers are in phase there.
-double pressure_in_phase(const array::Layout& layout, const array::Drive& drive, const acoustics::Air& air,
-                         std::span<const double> directivity, const Vec3& place) {
-  double sum = 0;
-  for (std::size_t t = 0; t < drive.size(); ++t) {
+/// The pressure that each drive causes at the place if the sounds of all transducers are in phase there.
+std::vector<double> pressures_in_phase(const array::Layout& layout, const std::vector<array::Drive>& drives,
+                                       const acoustics::Air& air, std::span<const double> directivity,
+                                       const Vec3& place) {
+  std::vector<double> sums(drives.size());
+  for (std::size_t t = 0; t < layout.transducers.size(); ++t) {
     const auto& [position, axis] = layout.transducers[t];
     const Vec3 way = place - position;
     const double distance = std::max(glm::length(way), layout.transducer_radius_m);
@@ -119,10 +124,14 @@ double pressure_in_phase(const array::Layout& layout, const array::Drive& drive,
         (std::clamp(glm::dot(way, axis) / distance, -1.0, 1.0) + 1) / 2 * static_cast<double>(array::directivity_steps);
     const auto below = std::min(static_cast<std::size_t>(at), array::directivity_steps - 1);
     const double part = at - static_cast<double>(below);
-    sum += static_cast<double>(drive[t].amplitude) * ((1 - part) * directivity[below] + part * directivity[below + 1]) *
-           std::exp(-air.absorption_np_m * distance) / distance;
+    const double towards = (1 - part) * directivity[below] + part * directivity[below + 1],
+                 left = std::exp(-air.absorption_np_m * distance);
+    for (std::size_t d = 0; d < drives.size(); ++d)
+      sums[d] += static_cast<double>(drives[d][t].amplitude) * towards * left / distance;
   }
-  return layout.source_level_pa_m * sum;
+  for (double& sum : sums)
+    sum *= layout.source_level_pa_m;
+  return sums;
 }
 
 /// Multiplies a drive by the ceiling, as a link does, and rounds it to the amplitudes that the boards have.
@@ -132,24 +141,29 @@ void play_at(double ceiling, const array::BoardPlay& boards, array::Drive& drive
   boards.round(drive, ceiling);
 }
 
-/// The drives of all sets at this ceiling.
+/// The drives of all sets at each ceiling, one ceiling after the other.
 acoustics::Strengths strengths_of(const array::Layout& layout, const std::vector<FocusSet>& sets,
-                                  const array::DriveOptions& options, double ceiling) {
-  acoustics::Strengths all;
+                                  const array::DriveOptions& options, std::span<const double> ceilings) {
+  std::vector<acoustics::Strengths> at(ceilings.size());
   const array::BoardPlay boards(layout);
   array::DriveScratch scratch;
   array::reserve(scratch, layout, options, 10);
-  array::Drive drive(layout.transducers.size());
+  array::Drive drive(layout.transducers.size()), played;
   for (const FocusSet& set : sets) {
     std::vector<array::SlotFocus> foci(set.size());
     for (std::size_t i = 0; i < set.size(); ++i)
       foci[i].position = set[i];
     array::drive_for(layout, foci, options, drive, scratch);
-    play_at(ceiling, boards, drive);
-    const acoustics::Strengths own = acoustics::strengths_of(drive);
-    all.insert(all.end(), own.begin(), own.end());
+    for (std::size_t c = 0; c < ceilings.size(); ++c) {
+      played = drive;
+      play_at(ceilings[c], boards, played);
+      const acoustics::Strengths own = acoustics::strengths_of(played);
+      at[c].insert(at[c].end(), own.begin(), own.end());
+    }
   }
-  return all;
+  for (std::size_t c = 1; c < at.size(); ++c)
+    at[0].insert(at[0].end(), at[c].begin(), at[c].end());
+  return std::move(at[0]);
 }
 
 bool has_amplitudes(const array::Board& board) {
@@ -170,7 +184,7 @@ std::vector<array::Layout> layouts_of(const StudyPlan& plan, const array::Layout
   return layouts;
 }
 
-/// The level of a plan's sound at any ceiling.
+/// The level of a plan's sound at any ceiling. Several at once take little longer than one.
 class Prediction {
  public:
   Prediction(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed)
@@ -185,17 +199,19 @@ class Prediction {
       add_sets(space, sets_);
   }
 
-  EarLevel at(double ceiling) const {
-    EarLevel level{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan_)};
+  std::vector<EarLevel> at(std::span<const double> ceilings) const {
+    std::vector<EarLevel> levels(
+        ceilings.size(),
+        EarLevel{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan_)});
     for (const array::Layout& layout : layouts_)
-      add(layout, ceiling, level);
-    return level;
+      add(layout, ceilings, levels);
+    return levels;
   }
 
   /// A ceiling below `ceiling` whose predicted level is at most `most_db`; 0 if the boards are silent there.
   double fitting(double ceiling, double most_db) const {
     while (!is_silent(ceiling)) {
-      const double above_db = at(ceiling).predicted_db() - most_db;
+      const double above_db = at({&ceiling, 1})[0].predicted_db() - most_db;
       if (above_db <= 0) return ceiling;
       ceiling = rounded_down(ceiling * std::pow(10, -std::max(above_db, 0.01) / 20));
     }
@@ -212,7 +228,9 @@ class Prediction {
     const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(ceiling)) - 1));
     return std::floor(ceiling / step + 1e-9) * step;
   }
-  void add(const array::Layout& layout, double ceiling, EarLevel& level) const;
+  void add(const array::Layout& layout, std::span<const double> ceilings, std::vector<EarLevel>& levels) const;
+  void add_tried(const array::Layout& layout, bool equal, std::span<const std::complex<double>> pressures,
+                 EarLevel& level) const;
 
   const StudyPlan& plan_;
   std::vector<array::Layout> layouts_;
@@ -222,7 +240,8 @@ class Prediction {
   std::vector<FocusSet> sets_;
 };
 
-void Prediction::add(const array::Layout& layout, double ceiling, EarLevel& level) const {
+void Prediction::add(const array::Layout& layout, std::span<const double> ceilings,
+                     std::vector<EarLevel>& levels) const {
   const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
   const bool on_off = !std::ranges::all_of(layout.boards, has_amplitudes);
   const bool equal = asks_ || on_off;
@@ -232,23 +251,38 @@ void Prediction::add(const array::Layout& layout, double ceiling, EarLevel& leve
                                     .directivity = directivity_kind};
   const acoustics::Incident incident(layout, air, directivity_kind);
   acoustics::Waves waves;
-  incident.at(places_, {}, strengths_of(layout, sets_, options, ceiling), waves);
-  for (std::size_t i = 0; i < waves.pressures.size(); ++i) {
-    const double db = level_of(std::abs(waves.pressures[i])) + (equal ? untried_equal_db : untried_db);
+  incident.at(places_, {}, strengths_of(layout, sets_, options, ceilings), waves);
+  const std::size_t tried = sets_.size() * places_.size();
+  std::vector<array::Drive> all(ceilings.size(), array::Drive(layout.transducers.size(), {1.0f, 0.0f}));
+  for (std::size_t c = 0; c < ceilings.size(); ++c) {
+    add_tried(layout, equal, std::span(waves.pressures).subspan(c * tried, tried), levels[c]);
+    play_at(ceilings[c], array::BoardPlay(layout), all[c]);
+  }
+  const std::vector<double> table = array::directivity_table(
+      directivity_kind, 2 * std::numbers::pi * air.medium.turns_per_metre() * layout.transducer_radius_m);
+  for (const Vec3& place : places_) {
+    const std::vector<double> in_phase = pressures_in_phase(layout, all, air, table, place);
+    for (std::size_t c = 0; c < ceilings.size(); ++c)
+      levels[c].bound_db = std::max(levels[c].bound_db, level_of(in_phase[c]));
+  }
+}
+
+void Prediction::add_tried(const array::Layout& layout, bool equal, std::span<const std::complex<double>> pressures,
+                           EarLevel& level) const {
+  std::array<double, 2> loudest{-1, -1};
+  for (std::size_t i = 0; i < pressures.size(); ++i) {
+    const std::size_t ear = i % places_.size() < per_ear_ ? 0 : 1;
+    const double pressure = std::abs(pressures[i]);
+    if (pressure <= loudest[ear]) continue;
+    loudest[ear] = pressure;
+    const double db = level_of(pressure) + (equal ? untried_equal_db : untried_db);
     if (db > level.predicted_db()) {
       level.foci = sets_[i / places_.size()];
       level.layout = layout.name;
       level.full_amplitude = equal;
     }
-    double& at_ear = level.db[i % places_.size() < per_ear_ ? 0 : 1];
-    at_ear = std::max(at_ear, db);
+    level.db[ear] = std::max(level.db[ear], db);
   }
-  const std::vector<double> table = array::directivity_table(
-      directivity_kind, 2 * std::numbers::pi * air.medium.turns_per_metre() * layout.transducer_radius_m);
-  array::Drive all(layout.transducers.size(), {1.0f, 0.0f});
-  play_at(ceiling, array::BoardPlay(layout), all);
-  for (const Vec3& place : places_)
-    level.bound_db = std::max(level.bound_db, level_of(pressure_in_phase(layout, all, air, table, place)));
 }
 
 }  // namespace
@@ -262,16 +296,28 @@ double equivalent_db(double level_db, double sounding_s) {
   return level_db + 10 * std::log10(std::max(sounding_s, 1e-9) / day_s);
 }
 
-EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed) {
+EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed,
+                           double* full_db) {
   assert(objects.size() == plan.shapes.size());
   const Prediction prediction(plan, objects, placed);
-  EarLevel level = prediction.at(plan.level.ceiling);
-  if (plan.level.measured_db && !prediction.is_silent(plan.level.measured_ceiling)) {
-    const double then_db = plan.level.measured_ceiling == plan.level.ceiling
-                               ? level.predicted_db()
-                               : prediction.at(plan.level.measured_ceiling).predicted_db();
-    level.measured = *plan.level.measured_db + level.predicted_db() - then_db;
-  }
+  std::vector<double> ceilings{plan.level.ceiling};
+  const auto at_once = [&](double ceiling) {
+    if (std::ranges::find(ceilings, ceiling) == ceilings.end()) ceilings.push_back(ceiling);
+  };
+  const bool has_reading = plan.level.measured_db && !prediction.is_silent(plan.level.measured_ceiling);
+  if (has_reading) at_once(plan.level.measured_ceiling);
+  if (full_db != nullptr) at_once(1);
+  const std::vector<EarLevel> levels = prediction.at(ceilings);
+  const auto predicted_db = [&](double ceiling) {
+    return levels[static_cast<std::size_t>(std::ranges::find(ceilings, ceiling) - ceilings.begin())].predicted_db();
+  };
+  const auto measured = [&](double ceiling) -> std::optional<double> {
+    if (!has_reading) return std::nullopt;
+    return *plan.level.measured_db + predicted_db(ceiling) - predicted_db(plan.level.measured_ceiling);
+  };
+  EarLevel level = levels[0];
+  level.measured = measured(plan.level.ceiling);
+  if (full_db != nullptr) *full_db = measured(1).value_or(predicted_db(1));
   if (const double above_db = level.loudest_db() - plan.level.limit_db; above_db > 0)
     level.fitting_ceiling = prediction.fitting(plan.level.ceiling, level.predicted_db() - above_db);
   return level;

@@ -60,7 +60,9 @@ inline constexpr double impossible_reading_db = 20;
 /// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
 /// boards without amplitudes. Then all transducers are at the ceiling. Boards play the amplitudes that they have
 /// (array/layouts/board_play.hpp). A reading at another ceiling counts with the difference of the two predictions.
-EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr);
+/// `full_db`: if it is given, gets what counts at the louder ear at a ceiling of 1.
+EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr,
+                           double* full_db = nullptr);
 
 /// Throws bad_usage if the boards of a method's layout would be silent at the plan's ceiling, at the ceiling of its
 /// reading, for a model of lower intensity, or for a pressure that a model requests. `placed` as above; the factors of

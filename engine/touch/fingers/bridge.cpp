@@ -17,6 +17,7 @@ struct Patch {
   const SkinSamples* samples;
   WhichKnown known{};               ///< most of its samples belong to this known finger
   glm::vec3 low{}, high{}, mean{};  ///< box and mean of its samples
+  glm::vec3 normal{};               ///< normal_of() its samples
 };
 
 Patch make_patch(const FingerSkin& skin) {
@@ -31,6 +32,7 @@ Patch make_patch(const FingerSkin& skin) {
     sum += sample.position - first;
   }
   patch.mean = first + sum * (1.0F / static_cast<float>(skin.samples.size()));
+  patch.normal = normal_of(skin.samples);
   return patch;
 }
 
@@ -88,8 +90,11 @@ Way way_across(const SkinSample& sample, const Patch& other) {
           cosine_of_way(there->position, there->normal, sample.position)};
 }
 
-/// Whether both patches together are wider than a finger along the line from mean to mean.
-bool is_too_wide(const Patch& a, const Patch& b, const glm::vec3& line, float finger_width) {
+/// Whether both patches together are wider than a finger. If they face away from each other, this is from one side of
+/// the finger to the other, in the direction in which their normals differ: along a finger that leans, they may be
+/// longer. Otherwise it is along the line from mean to mean.
+bool is_too_wide(const Patch& a, const Patch& b, float finger_width) {
+  const glm::vec3 line = glm::dot(a.normal, b.normal) < 0 ? b.normal - a.normal : b.mean - a.mean;
   float low = 3.0e38F, high = -3.0e38F;
   for (const Patch* patch : {&a, &b}) {
     for (const SkinSample& sample : *patch->samples) {
@@ -126,7 +131,10 @@ Pair face(const Patch& a, const Patch& b, bool were_one) {
   const float mean_a = at_a / static_cast<float>(facing), mean_b = at_b / static_cast<float>(facing);
   const float worse = std::max(mean_a, mean_b);
   if (worse > (were_one ? 0.5F : 0.3F)) return {Pair::two};
-  return {worse < (were_one ? 0.3F : -0.1F) ? Pair::one : Pair::unknown, mean_a + mean_b};
+  const float through_a = cosine_of_way(a.mean, a.normal, b.mean), through_b = cosine_of_way(b.mean, b.normal, a.mean);
+  const float sure = std::min(worse, std::max(through_a, through_b));
+  return {sure < (were_one ? 0.3F : -0.4F) ? Pair::one : Pair::unknown,
+          std::min(mean_a + mean_b, through_a + through_b)};
 }
 
 /// Looks at chords through the space between two patches: from each sample of one patch to some sample of the other,
@@ -143,7 +151,7 @@ bool is_empty_between(const Sight& sight, const Patch& a, const Patch& b, bool w
     }
   }
   // In 64ths.
-  return empty * 64 > looked * (were_one ? 24U : 6U);
+  return empty * 64 > looked * (were_one ? 24U : 2U);
 }
 
 /// How wide both patches are across the line from mean to mean.
@@ -195,7 +203,7 @@ Pair compare(const Sight& sight, const Known& known, const Patch& a, const Patch
   if (!near_enough(a, b, widest)) return {Pair::two};
   Pair pair = face(a, b, were_one);
   if (pair.kind == Pair::two) return pair;
-  const bool fits = !is_too_wide(a, b, b.mean - a.mean, widest) && !is_empty_between(sight, a, b, were_one);
+  const bool fits = !is_too_wide(a, b, widest) && !is_empty_between(sight, a, b, were_one);
   if (fits && pair.kind == Pair::one) return pair;
   // What is wider than a finger, or empty, in the direction from patch to patch may be along a finger.
   pair.kind = fits ? Pair::unknown : Pair::two;

@@ -2,7 +2,7 @@
 // one finger.
 //
 // Euclidean clusters of one solid are joined under three conditions (docs/touch.md has all rules):
-// - Together, they are no wider than a finger along the line between their means.
+// - Together, they are no wider than a finger from one side to the other.
 // - Between the contacts that face each other, the line enters the skin at both ends, as it does between any two places
 //   of a convex body. The skin's outward normals come from the depth pictures.
 // - No camera saw that the space between them is empty, that is, no camera saw something clearly farther away in that

@@ -10,14 +10,6 @@
 namespace palpa::touch {
 namespace {
 
-/// Zero if the samples do not tell.
-glm::vec3 inward_of(const SkinSamples& samples) {
-  glm::vec3 normal{0};
-  for (const SkinSample& sample : samples)
-    normal += sample.normal;
-  return glm::dot(normal, normal) > 0 ? glm::normalize(normal) : glm::vec3(0);
-}
-
 shader::vec4 vec4(const glm::vec3& v, float w = 0) {
   return {v.x, v.y, v.z, w};
 }
@@ -68,7 +60,7 @@ void keep_fingers(const FingerSkins& skins, const FingerOptions& parameters, con
     kept.continuation.fall = rules.falling ? next_fall(continuations[f].fall, in_shell) : Fall{.contacts = in_shell};
     const bool falls = kept.continuation.fall.falls;
     finger.holds = rules.few && !falls;
-    finger.inward = inward_of(samples);
+    finger.inward = normal_of(samples);
     if (rules.edges && !falls && starves(in_shell, parameters.min_points) && !samples.empty())
       add_reach(samples, finger.inward, kept, table.reach);
     keep_insides(samples, first_place(touch, finger), static_cast<float>(parameters.finger_width_m), kept);

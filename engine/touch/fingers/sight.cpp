@@ -176,6 +176,13 @@ SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& fi
   return samples;
 }
 
+glm::vec3 normal_of(const SkinSamples& samples) {
+  glm::vec3 normal{0};
+  for (const SkinSample& sample : samples)
+    normal += sample.normal;
+  return glm::dot(normal, normal) > 0 ? glm::normalize(normal) : glm::vec3(0);
+}
+
 glm::vec3 inside_of(const SkinSample& sample, float finger_width) {
   // The inside of a finger lies below its skin by this share of its greatest width.
   return sample.position - sample.normal * (0.36F * finger_width);

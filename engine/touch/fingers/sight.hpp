@@ -90,6 +90,9 @@ SampledContacts sample_contacts(const Touch& touch, const Finger& finger);
 using SkinSamples = InplaceVector<SkinSample, most_samples>;
 SkinSamples sample_skin(const Sight& sight, const Touch& touch, const Finger& finger);
 
+/// The direction of the mean of their normals. Zero if they do not give one.
+glm::vec3 normal_of(const SkinSamples& samples);
+
 /// The point inside a finger of that width, below its skin.
 glm::vec3 inside_of(const SkinSample& sample, float finger_width);
 

@@ -233,6 +233,23 @@ TEST(SensationOnHand, PlaysAtThePalmAndTurnsWithIt) {
     succeeded(palpa_here(line));
     EXPECT_LT(phases_off(last_sound(file), T_world_layout, palm), 0.01);
   }
+  // It stays on the hand that it began with when another one is seen, too.
+  for (const bool left : {false, true}) {
+    std::vector<sensing::TrackedFrame> both;
+    for (int i = 0; i < 60; ++i) {
+      sensing::TrackedHand own = film[static_cast<std::size_t>(i)].hands[0];
+      sensing::TrackedHand other = pointing_hand(tip + Vec3(-0.06, 1e-7 * i, 0.02));
+      own.left = left;
+      other.left = !left;
+      both.push_back({0.01 * i, {own}});
+      if (i >= 20) both.back().hands.insert(both.back().hands.begin() + i % 2, other);
+    }
+    write_text(folder / "both.jsonl", lines_of(both));
+    const auto file = (folder / "both.bin").string();
+    succeeded(palpa_here(words_of("play point --layout openmpd --on palm --link record:" + file +
+                                  " --source joints:" + (folder / "both.jsonl").string())));
+    EXPECT_LT(phases_off(last_sound(file), T_world_layout, palm), 0.01) << left;
+  }
 }
 
 }  // namespace

@@ -253,6 +253,20 @@ TEST(OpenMpdFaults, AStalledEndpointIsClearedAndResynchronisedOnceItsRequestsAre
   }
 }
 
+TEST(OpenMpdFaults, EachTroubleIsToldWithItsOwnReason) {
+  PlayingRig rig;
+  rig.faults[0]->takes_nothing = true;
+  rig.play_on(1);
+  *rig.faults[0] = {};
+  rig.play_on(3);
+  ASSERT_TRUE(rig.board->in_step());
+  rig.notes.warnings.clear();
+  rig.faults[0]->stalled = rig.faults[0]->refuses_requests = true;
+  rig.play_on(1);
+  rig.faults[0]->refuses_requests = false;
+  expect_recovery(rig, "refuses");
+}
+
 TEST(OpenMpdFaults, ShortWritesGoOnAtTheirByte) {
   for (std::size_t cut = 1; cut < 512; ++cut) {
     OpenMpdRig rig;

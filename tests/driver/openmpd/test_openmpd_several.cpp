@@ -174,7 +174,9 @@ TEST(OpenMpdSeveral, ABoardThatWasAwayIsAsANewOne) {
 
 /// Boards of several types play their parts as alone, in every order. The least amplitude is the least of theirs.
 TEST(BoardPlaySeveral, EachTypeOfBoardPlaysItsPartAsAlone) {
-  std::vector<std::string> order{"autd3", "openmpd", "sonicsurface"};
+  std::vector<std::string> order;
+  for (const array::BoardType& type : array::board_types())
+    order.emplace_back(type.name);
   std::minstd_rand random(1);
   std::uniform_real_distribution<float> amplitudes(0, 1);
   std::map<std::string, array::Drive> parts;

@@ -155,6 +155,20 @@ TEST(Bridge, TheRingOfAFingerThatLiesHalfInsideIsOne) {
   }
 }
 
+TEST(Bridge, TheTwoSidesOfAFingerThatLeansAreOne) {
+  // From side to side, its ring is longer than a finger is wide.
+  const std::vector<geometry::Solid> plate{box({-0.1, -0.06, -0.1}, {0.1, 0, 0.1}, "plate")};
+  for (const double tilt_deg : {50.0, 55.0, 60.0, 65.0}) {
+    const std::vector<Press> leaning{{.press_m = 16e-3, .tilt_deg = tilt_deg}};
+    for (const double azimuth_deg : {0.0, 20.0}) {
+      const Cameras cameras = ring_of_cameras(2, 0, azimuth_deg);
+      const Images images = images_of(cameras, leaning, 1);
+      EXPECT_EQ(touch_of(plate, cameras, images, unbridged()).finger_count, 2U);
+      EXPECT_EQ(touch_of(plate, cameras, images).finger_count, 1U) << tilt_deg << ' ' << azimuth_deg;
+    }
+  }
+}
+
 TEST(Bridge, NeighboursSeenFromAboveStayTwo) {
   // Fingertips that reach sideways into a wall, 2 to 6 mm apart, one camera above: the tops of two rings.
   const std::vector<geometry::Solid> wall{box({-0.1, -0.1, -0.1}, {-0.006, 0.1, 0.1}, "wall")};

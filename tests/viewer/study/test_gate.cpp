@@ -278,6 +278,10 @@ TEST_F(GateTest, CountsWhatArrives) {
   gate_.close();
   counting_.send(104, drive_);
   EXPECT_EQ(gate_.take().counts.lost(), 8u) << "those on their way count when they arrive";
+  gate_.open(later());
+  counting_.send(5000, drive_);
+  counting_.send(5001, drive_);
+  EXPECT_EQ(gate_.counts().skipped, 0u) << "the pause before a touch does not count";
 }
 
 TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
