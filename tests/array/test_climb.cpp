@@ -125,7 +125,7 @@ TEST(Climb, APassTurnsEachTransducerAsFarAsItsStiffnessLets) {
   take_lanes(drive, lane_drive);
   constexpr double soft = 0.2, stiffness = 2, most_turn = 0.3;
   turn_lanes(lanes, lane_drive, pull, {stiff, soft}, stiffness, most_turn, tried, pressure);
-  std::vector<double> growth(foci * foci), grown(foci * foci);
+  std::vector<double> growth(foci * foci), by_hand(foci * foci);
   find_growth(lanes, lane_drive, turn, {stiff, soft}, 1, growth);
   for (std::size_t n = 0; n < drive.size(); ++n) {
     const auto heard = [&](std::size_t j) { return columns.transfer(n * foci + j) * drive[n]; };
@@ -140,13 +140,13 @@ TEST(Climb, APassTurnsEachTransducerAsFarAsItsStiffnessLets) {
     for (std::size_t j = 0; j < foci; ++j) {
       expected[j] += columns.transfer(n * foci + j) * turned;
       for (std::size_t k = 0; k < foci; ++k)
-        grown[j * foci + k] += (turn[j] * heard(j)).imag() * (turn[k] * heard(k)).imag() / (std::abs(held) + soft);
+        by_hand[j * foci + k] += (turn[j] * heard(j)).imag() * (turn[k] * heard(k)).imag() / (std::abs(held) + soft);
     }
   }
   for (std::size_t j = 0; j < foci; ++j) {
     EXPECT_NEAR(std::abs(pressure[j] - expected[j]), 0, 1e-4 * std::abs(expected[j]));
     for (std::size_t k = 0; k < foci; ++k)
-      EXPECT_NEAR(growth[j * foci + k], grown[j * foci + k], 1e-4 * grown[j * foci + j]);
+      EXPECT_NEAR(growth[j * foci + k], by_hand[j * foci + k], 1e-4 * by_hand[j * foci + j]);
   }
 }
 

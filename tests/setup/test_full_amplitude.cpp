@@ -87,7 +87,7 @@ TEST(FullAmplitude, SolidsThatAllAskForAPressureAreNotAtFullAmplitude) {
   EXPECT_EQ(told_of(options), 0u);
 }
 
-/// Of two runs of one program, such as the viewer's, each opens what its own options allow.
+/// In one program, as in the viewer, each run opens only what its own options allow.
 TEST(OutsideReferences, AreOpenedByRunsThatAllowThem) {
   const std::filesystem::path folder = test::scratch_folder("outside");
   std::filesystem::create_directory(folder / "theirs");
