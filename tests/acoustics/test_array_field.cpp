@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "acoustics/felt/harmonics.hpp"
 #include "acoustics/felt/tune.hpp"
@@ -222,8 +223,10 @@ TEST(PathField, HasTheHarmonicsOfTheFociThemselves) {
   for (const char* name : {"autd3", "openmpd-pair"}) {
     const Layout layout = posed(name);
     const ArrayField field(layout, {});
-    for (const std::uint32_t count : {5u, 10u, 13u}) {
-      const std::vector<Vec3> foci = circle(5e-3, count);
+    for (const auto& [count, flat] : {std::pair(5u, 1.0), {10u, 1.0}, {13u, 1.0}, {5u, 0.3}, {10u, 0.5}}) {
+      std::vector<Vec3> foci = circle(5e-3, count);
+      for (Vec3& focus : foci)
+        focus.z *= flat;  // sides of different lengths
       const Harmonics harmonics = PathField(field, foci).harmonics(count);
       for (const std::uint32_t stride : {1u, 3u}) {
         const Felt expected = felt(spectrum_of(voice_of(foci, stride), 1.5e-3, {.field = &field}));

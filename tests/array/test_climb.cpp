@@ -90,5 +90,65 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
   }
 }
 
+/// The drive for some of the foci is that for all of them, with targets of 0 for the others.
+TEST(Climb, IgnoresFociWithoutATarget) {
+  const Layout layout = load_layout("openmpd");
+  const std::vector<SlotFocus> foci = loud_set(1, 5, 5, middle_of(layout));
+  const auto climbed = [&](const std::vector<SlotFocus>& all, std::vector<double> targets) {
+    const Columns columns = columns_of(layout, all, Weighting::uniform);
+    const Columns asked = columns_of(layout, {foci.begin() + 1, foci.end() - 1}, Weighting::uniform);
+    std::vector<Complex> drive = sums_of(asked, Constraint::uniform);
+    std::vector<double> shares(all.size(), 1);
+    ClimbScratch scratch;
+    return climb(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, drive, scratch);
+  };
+  const double weakest = climbed({foci.begin() + 1, foci.end() - 1}, {1, 1, 1});
+  EXPECT_GT(weakest, 0);
+  EXPECT_NEAR(climbed(foci, {0, 1, 1, 1, 0}), weakest, 1e-5 * weakest);
+}
+
+/// Against the formulas of climb.hpp, in double precision.
+TEST(Climb, APassTurnsEachTransducerAsFarAsItsStiffnessLets) {
+  const Layout layout = load_layout("autd3");
+  const Columns columns = columns_of(layout, loud_set(2, 4, 4, middle_of(layout)), Weighting::uniform);
+  const std::vector<Complex> drive = sums_of(columns, Constraint::uniform);
+  const std::size_t foci = columns.foci;
+  SetRandom random(5);
+  std::vector<Complex> pull(foci), stiff(foci), turn(foci), pressure(foci), expected(foci);
+  for (auto* factors : {&pull, &stiff, &turn}) {
+    for (Complex& factor : *factors)
+      factor = {random.between(-1, 1), random.between(-1, 1)};
+  }
+  LaneColumns lanes;
+  LaneDrives lane_drive, tried;
+  take_lanes(columns, lanes);
+  take_lanes(drive, lane_drive);
+  constexpr double soft = 0.2, stiffness = 2, most_turn = 0.3;
+  turn_lanes(lanes, lane_drive, pull, {stiff, soft}, stiffness, most_turn, tried, pressure);
+  std::vector<double> growth(foci * foci), by_hand(foci * foci);
+  find_growth(lanes, lane_drive, turn, {stiff, soft}, 1, growth);
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    const auto heard = [&](std::size_t j) { return columns.transfer(n * foci + j) * drive[n]; };
+    Complex pulled = 0, held = 0;
+    for (std::size_t j = 0; j < foci; ++j) {
+      pulled += pull[j] * heard(j);
+      held += stiff[j] * heard(j);
+    }
+    const double by = std::clamp(-pulled.imag() / (stiffness * (std::abs(held) + soft)), -most_turn, most_turn);
+    const Complex turned = drive[n] * std::polar(1.0, by);
+    ASSERT_NEAR(std::abs(Complex(tried.re[n], tried.im[n]) - turned), 0, 1e-5) << n;
+    for (std::size_t j = 0; j < foci; ++j) {
+      expected[j] += columns.transfer(n * foci + j) * turned;
+      for (std::size_t k = 0; k < foci; ++k)
+        by_hand[j * foci + k] += (turn[j] * heard(j)).imag() * (turn[k] * heard(k)).imag() / (std::abs(held) + soft);
+    }
+  }
+  for (std::size_t j = 0; j < foci; ++j) {
+    EXPECT_NEAR(std::abs(pressure[j] - expected[j]), 0, 1e-4 * std::abs(expected[j]));
+    for (std::size_t k = 0; k < foci; ++k)
+      EXPECT_NEAR(growth[j * foci + k], by_hand[j * foci + k], 1e-4 * by_hand[j * foci + j]);
+  }
+}
+
 }  // namespace
 }  // namespace palpa::array

@@ -88,6 +88,8 @@ class Refusals : public testing::Test {
   const std::filesystem::path folder_ = scratch_folder("refused");
 };
 
+/// Which contradict each other, with each command that has both.
+const std::string varied = " --spread temperature=2 --sound-speed 343";
 const std::string on_cube = "touch --backend cpu --scene CUBE --points FINGER --penetration 3mm",
                   board = "drive --backend cpu --layout openmpd", focus = " --focus 0,0,150mm";
 
@@ -132,6 +134,7 @@ TEST_F(Refusals, OfADriveSayWhatIsWrong) {
             {"--pattern carter", "--pattern carter: null "}}},
           {board + focus,
            {{"--temperature 20 --sound-speed 343", "--sound-speed"},
+            {varied, "--spread varies it"},
             {"--null 1,2", "x,y,z"},
             {"--null 0,2cm,0.15,-1mm", radius},
             {"--null 0,2cm,0.15,6mm", radius},
@@ -170,6 +173,7 @@ TEST_F(Refusals, OfWhatIsComputedFromADriveSayWhatIsWrong) {
          {plane + " --drive x.csv", "exclude each other"},
          {plane + " --transfer finger", "has no option '--transfer'"},
          {"--plane xy", "--plane has no extent: give --size"},
+         {plane + varied, "--spread varies it"},
          {"--plane xy --size 0,10mm", "--size: '0,10mm' is not W,H"},
          {"--plane xy --size 10mm,10mm --pixels 0,5", "--pixels: '0,5'"},
          {"--plane xy --size 10mm,10mm --samples 5", "--samples goes with --line"},
@@ -185,7 +189,9 @@ TEST_F(Refusals, OfWhatIsComputedFromADriveSayWhatIsWrong) {
         {{"--finger IN/tip.ply", "--scene is missing"},
          {"--scene CUBE", "--finger is missing"},
          {"--scene CUBE --finger FINGER --null 2cm,0,0", "--null"}}},
-       {tip, {{"--layout openmpd --penetration 153mm", "stands in the array", 4}}},
+       {tip,
+        {{"--layout openmpd --penetration 153mm", "stands in the array", 4},
+         {"--layout openmpd" + varied, "--spread varies it"}}},
        {"afferents", {{"", "--scene is missing"}, {"--scene CUBE --foci 10 --stride 5", "--stride"}}},
        {"afferents --scene CUBE --finger IN/tip.ply --layout openmpd --method single-focus --duration 0.2",
         {{"--x 0.5", "touches nothing", 4}, {"--bin 1", "--bin is longer than --duration"}}}});

@@ -1,4 +1,5 @@
 // `palpa study analyse`, `compare` and `power`, as an experimenter uses them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -328,13 +329,17 @@ TEST_F(CliStudy, RehearsesAndWithdraws) {
 
   EXPECT_EQ(open_to_others(out + "/sub-01"), std::vector<std::filesystem::path>());
   std::filesystem::create_hard_link(out + "/sub-01/sub-01_journal.jsonl", folder_ / "copy");
+  std::vector<std::filesystem::path> before;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(out))
+    before.push_back(entry);
   const Result withdrawn = palpa_here({"study", "withdraw", "1", "--out", out});
   EXPECT_NE(
       withdrawn.err.find("sub-01_journal.jsonl remains under 1 other name elsewhere (hard links), which find -inum"),
       std::string::npos)
       << withdrawn.err;
   EXPECT_EQ(withdrawn.exit_code, 0) << withdrawn.err;
-  EXPECT_NE(withdrawn.out.find("participant 1 has withdrawn"), std::string::npos);
+  const auto erased = std::ranges::count_if(before, [](const auto& place) { return !std::filesystem::exists(place); });
+  EXPECT_CONTAINS(withdrawn.out, fmt::format("participant 1 has withdrawn: {} files and folders erased\n", erased));
   EXPECT_NE(palpa_here({"study", "withdraw", "1", "--out", out}).out.find("had withdrawn before"), std::string::npos);
   expect_refused(line, {{{}, "participant 1 withdrew"}});
   expect_refused({"study"}, {{{"analyse", out}, "the participant withdrew", 4},

@@ -129,10 +129,10 @@ TEST(Solid, MeshesThatAreNoSolidAreRefusedWithTheirFault) {
   EXPECT_CONTAINS(solid_fault_of({}), "no triangle mesh");
   const std::vector<std::pair<Mesh, const char*>> meshes{
       {open, "mesh \"mesh 0\""},
-      {open, "3 open edges"},
+      {open, "3 open edges (the first runs from"},
       {open, "(0.04, 0.04, 0)"},
       {turned, "3 edges lie between faces of opposite orientation"},
-      {touching, "1 edge has more than two faces"},
+      {touching, "1 edge has more than two faces (it runs from"},
       {sheet, "flat"},
       {box(Vec3(0), Vec3(1, 1, 1e-9)), "flat"},
       {Mesh{{{1, 2, 3}}, {{0, 0, 0}}}, "flat"},

@@ -304,6 +304,14 @@ TEST(IdealObserver, Reports) {
   EXPECT_CONTAINS(html, "<svg");
   EXPECT_CONTAINS(html, "What should the next study try?");
   EXPECT_EQ(html.find("nan"), std::string::npos);
+  // Figures whose marks are methods say which mark is which.
+  for (const char* title : {"Predicted accuracy of each method with each variant", "Predicted accuracy by the level"}) {
+    const std::size_t begin = html.find(title);
+    ASSERT_NE(begin, std::string::npos) << title;
+    const std::string figure = html.substr(begin, html.find("</svg>", begin) - begin);
+    for (const std::string& method : prediction.methods)
+      EXPECT_CONTAINS(figure, ">" + method + "<");
+  }
   std::size_t rows = 1;
   for (const auto* list : {&prediction.variants, &prediction.nulls}) {
     for (const PredictedVariant& variant : *list)

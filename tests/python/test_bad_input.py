@@ -29,7 +29,7 @@ def message(kind, call):
     (np.array([[0, 0, 0], [0, np.nan, 0]]), "row 1 is not finite"),
     (np.array([[np.inf, 0, 0]]), "row 0 is not finite"),
     (np.broadcast_to(np.zeros(3), (10**12, 3)), "at most 16777216"),
-    (np.full((2, 3), 1e300), "vertex 0 lies beyond 3e38 m"),
+    *((np.eye(3)[[axis, axis]] * [[1], [1e300]], "vertex 1 lies beyond 3e38 m") for axis in range(3)),
 ])
 def test_points(cube, skin, says):
     assert says in message(ValueError, lambda: cube.touch(skin, backend="cpu"))

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "array/drive.hpp"
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
+#include "session/previews/ear_sound.hpp"
 #include "stepped_clock.hpp"
 #include "support/watched_heap.hpp"
 
@@ -61,6 +63,30 @@ TEST(Output, APlanWithoutATimeOrATouchIsSilence) {
     }
   }
   EXPECT_EQ(out.plan_of(array::Schedule()).cycle.plays, Plays::nothing);
+}
+
+/// The audible preview: only boards whose own clock modulates change a focus that stands still between slots.
+TEST(EarDrives, OfAModulatedFocusFollowTheBoardsClock) {
+  array::Schedule schedule = test::touching(Vec3(0, 0.15, 0), 200);
+  schedule.voices[0].foci.resize(1);
+  schedule.voices[0].order = {0};
+  for (const auto& [layout, modulated_s] : {std::pair(test::small_layout(), 1.5e-3),
+                                            {array::load_layout("openmpd"), 1.5e-3},
+                                            {array::load_layout("autd3"), 0.25e-3}}) {
+    for (const bool modulates : {true, false}) {
+      schedule.voices[0].modulation_hz = modulates ? 200 : 0;
+      Plan plan{.schedule = schedule};
+      test::list_drives(layout, plan);
+      SessionSetting setting;
+      setting.layout = layout;
+      const EarDrives drives = ear_drives(plan, setting, false);
+      EXPECT_EQ(drives.slot_s, modulates ? modulated_s : 1.5e-3) << layout.name;
+      ASSERT_FALSE(drives.drives.empty());
+      // A whole period of 5 ms, unless one drive is all.
+      const std::size_t slots = drives.drives.size() / drives.transducers;
+      EXPECT_EQ(slots, !modulates ? 1U : modulated_s < 1e-3 ? 20U : 10U) << layout.name;
+    }
+  }
 }
 
 TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {

@@ -74,7 +74,12 @@ TEST(SensationRun, PlaysEachSlotAndEndsSilentAtItsTime) {
   Playing playing;
   playing.setting.end_s = 0.25;
   auto sensation = moving();
+  std::size_t running = 0;
+  playing.link.before = [&](std::uint64_t) { running += playing.control.runs() ? 1 : 0; };
+  EXPECT_FALSE(playing.control.runs());
   const OutputStats stats = playing.run(sensation);
+  EXPECT_FALSE(playing.control.runs()) << "another may begin";
+  EXPECT_EQ(running, playing.link.heard.size());
   EXPECT_EQ(playing.link.sounding(), 250U);
   EXPECT_EQ(playing.link.heard.back().second, 0);
   EXPECT_EQ(stats.skipped_slots, 0U);

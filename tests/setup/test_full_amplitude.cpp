@@ -1,16 +1,20 @@
-// A run on a board that plays at full amplitude because nobody chose a ceiling says so.
+// A run on a board that plays at full amplitude because nobody chose a ceiling says so. And the files that a run opens.
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "cli/support/tiny_files.hpp"
 #include "geometry/gltf/gltf.hpp"
 #include "setup/sessions/live_run.hpp"
 #include "support/captured.hpp"
+#include "support/files.hpp"
 #include "support/occurrences.hpp"
 #include "support/shared_data.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -81,6 +85,22 @@ TEST(FullAmplitude, SolidsThatAllAskForAPressureAreNotAtFullAmplitude) {
   solids[1].haptics.pressure_pa = 500;
   options.made_solids = std::make_shared<std::vector<geometry::Solid>>(solids);
   EXPECT_EQ(told_of(options), 0u);
+}
+
+/// In one program, as in the viewer, each run opens only what its own options allow.
+TEST(OutsideReferences, AreOpenedByRunsThatAllowThem) {
+  const std::filesystem::path folder = test::scratch_folder("outside");
+  std::filesystem::create_directory(folder / "theirs");
+  test::write_text(folder / "short.bin", "Q7");
+  test::write_scene(folder / "theirs/model.gltf", "../short.bin");
+  LiveOptions options;
+  options.scene = folder / "theirs/model.gltf";
+  options.common.backend = Backend::cpu;
+  std::atomic<bool> stop{false};
+  for (const bool allowed : {false, true, false}) {
+    options.common.allow_outside = allowed;
+    EXPECT_REFUSED(LiveRun(options, {}, {}, stop), allowed ? "has 2 bytes" : "--allow-outside");
+  }
 }
 
 }  // namespace

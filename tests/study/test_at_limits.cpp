@@ -78,6 +78,51 @@ TEST(AtLimits, PlansAreReadUpToTheirLimits) {
   EXPECT_REFUSED(plan(2, 1, 0, "[observer]\ndepths_mm = [2, 2]\n"), "ascending");
 }
 
+/// Each number of a plan: its table, its key, the least and the most, and what goes with it. Whole ones end in a step.
+TEST(AtLimits, NumbersOfAPlanAreReadUpToTheirLimits) {
+  const struct {
+    const char *table, *key;
+    double low, high;
+    bool whole = false;
+    const char* more = "";
+  } numbers[]{{"[method]", "foci", 1, 64, true},
+              {"[method]", "dwell_ms", 0.1, 1000},
+              {"[method]", "modulation_hz", 1, 1000},
+              {"[method]", "delta_mm", 0.01, 100},
+              {"[observer]", "placements", 3, 64, true},
+              {"[observer]", "lateral_mm", 0, 20},
+              {"[observer]", "yaw_deg", 0, 90},
+              {"[observer]", "crest_mn", 0.1, 1000},
+              {"[study]", "participants", 1, 1000, true},
+              {"[study]", "trials_per_shape", 1, 1000, true, "touch_s = 0.01"},
+              {"[study]", "touch_s", 0.01, 600, false, "trials_per_shape = 1"},
+              {"[study]", "least_trials", 0, 20, true},
+              {"[run]", "seed", 0, 1e9, true},
+              {"[run]", "deep_mm", 1, 200},
+              {"[level]", "ceiling", 0, 1},
+              {"[level]", "limit_db", 40, 160},
+              {"[level]", "measured_db", 0, 200, false, "measured_ceiling = 0.1"},
+              {"[level]", "measured_ceiling", 1e-3, 1, false, "measured_db = 100"},
+              {"[[block]]\nkind = \"trial\"", "repeats", 1, 1000, true, "touch_s = 0.01"},
+              {"[[block]]\nkind = \"trial\"", "touch_s", 0.01, 3600, false, "repeats = 1"},
+              {"[[block]]\nkind = \"rest\"", "rest_s", 0.01, 3600}};
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  for (const auto& [table, key, low, high, whole, more] : numbers) {
+    const auto read = [&, table = std::string(table), key = key, more = more](double value) {
+      const std::string line = fmt::format("{} = {}\n{}\n", key, value, more);
+      const std::string method = "[[method]]\nname = \"m\"\nmethod = \"cross-section\"\n";
+      parse_plan("[[shape]]\nname = \"a\"\nmodel = \"a.glb\"\n[[shape]]\nname = \"b\"\nmodel = \"a.glb\"\n" + method +
+                     (table == "[method]" ? line : table + "\n" + line),
+                 "p.toml");
+    };
+    for (const double last : {low, high})
+      EXPECT_NO_THROW(read(last)) << key << " " << last;
+    for (const double next :
+         {whole ? low - 1 : std::nextafter(low, -inf), whole ? high + 1 : std::nextafter(high, inf)})
+      EXPECT_CONTAINS(test::error_of([&] { read(next); }), key);
+  }
+}
+
 TEST(AtLimits, TheObserverTouchesUpToItsLimit) {
   const auto observed = [](int depths) {
     std::string list;

@@ -130,6 +130,20 @@ TEST(HeardLevel, IsThatOfTheEarThatIsNearer) {
   EXPECT_DOUBLE_EQ(dba(0.9, 0.4), near) << "the right ear";
 }
 
+/// A board whose own clock modulates plays a focus that stands still by it, whatever the dwell.
+TEST(HeardLevel, OfAModulatedFocusFollowsTheBoardsClock) {
+  const auto dba = [](touch::Method method, double dwell_s) {
+    StudyPlan plan = plan_on("autd3");
+    plan.methods.resize(1);
+    plan.methods[0].method = method;
+    plan.methods[0].modulation_hz = 200;
+    plan.methods[0].dwell_s = dwell_s;
+    return predict_heard_level(plan, {&cube, 1}).high_dba;
+  };
+  EXPECT_EQ(dba(touch::Method::single_focus, 1e-3), dba(touch::Method::single_focus, 2.5e-3));
+  EXPECT_NE(dba(touch::Method::cross_section, 1e-3), dba(touch::Method::cross_section, 2.5e-3)) << "it moves";
+}
+
 TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
   StudyPlan plan = plan_on("openmpd");
   const EarLevel& usual = full_level();

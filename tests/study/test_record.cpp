@@ -1,11 +1,14 @@
 // The files of sittings: journals, logs, withdrawals.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -94,6 +97,30 @@ TEST_F(RecordTest, WritesALogThatCanBeAnalysed) {
   ASSERT_EQ(read.left_out.size(), 1u);
   EXPECT_CONTAINS(read.left_out[0], "is a rehearsal");
   EXPECT_EQ(read_text(file("sub-01_order.csv")), order_csv(plan_, order_of(plan_, 1)));
+}
+
+/// By the table's other columns, and by the touches of the other file.
+TEST_F(RecordTest, SaysOfEachStepWhetherItsAnswerIsRight) {
+  sit(1, 100'000, 0.5);
+  std::istringstream table(read_text(log_));
+  std::set<std::string> told;
+  std::map<std::string, int> step_at;
+  std::string line;
+  for (std::getline(table, line); std::getline(table, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, '\t');)
+      cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 16U) << line;
+    const bool asks = cells[2] == "trial" || cells[2] == "practice";
+    EXPECT_EQ(cells[6], !asks ? "n/a" : cells[5] == cells[4] ? "true" : "false") << line;
+    told.insert(cells[6]);
+    step_at[cells[0]] = std::stoi(cells[10]);
+  }
+  EXPECT_EQ(told.size(), 3U);
+  const json stimuli = json::parse(read_text(file("beh/sub-01_task-shapes_run-01_stimuli.json")));
+  for (const json& touch : stimuli["touches"])
+    EXPECT_EQ(touch["step"], step_at[fmt::format("{:.6f}", touch["onset_s"].get<double>())]);
 }
 
 TEST_F(RecordTest, OneProcessAtATime) {

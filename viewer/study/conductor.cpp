@@ -46,6 +46,8 @@ bool masks(Screen screen) {
   return begins(screen) || screen == Screen::touching || screen == Screen::question;
 }
 
+}  // namespace
+
 std::string to_text(const study::TouchLosses& losses) {
   std::string text;
   const auto add = [&](std::uint64_t count, const char* noun, const char* what) {
@@ -57,8 +59,6 @@ std::string to_text(const study::TouchLosses& losses) {
   add(losses.thinned_frames, "frame", "thinned");
   return text;
 }
-
-}  // namespace
 
 study::Entry start_entry(const setup::StudyRunOptions& run, const std::string& masking) {
   return {.text = study::utc_now(),

@@ -27,6 +27,9 @@ namespace palpa::viewer {
 /// The entry with which a program begins, or continues, a sitting.
 study::Entry start_entry(const setup::StudyRunOptions& run, const std::string& masking);
 
+/// What was lost, for the experimenter; empty if nothing was.
+std::string to_text(const study::TouchLosses& losses);
+
 class Conductor {
  public:
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,6 @@
 // The live loop: its messages, its data, and that it always ends in silence. Where signals, disks and limits matter, it
 // is the real program. And the line in which it shows its state on a terminal.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -249,16 +250,23 @@ TEST(CliRun, ComputesFociOnTheFingersThatTouch) {
 
 TEST(CliBench, ChecksThenMeasures) {
   const auto folder = scratch_folder("bench");
-  succeeded(palpa({"bench", "--runs", "3", "--suite", "loop", "--csv", (folder / "b.csv").string(), "--json",
-                   (folder / "b.json").string()}));
-  std::ifstream document(folder / "b.json");
-  EXPECT_GT(json::parse(document)["peak_resident_bytes"], 0);
+  succeeded(palpa_here({"bench", "--runs", "3", "--suite", "loop", "--csv", (folder / "b.csv").string(), "--json",
+                        (folder / "b.json").string()}));
+  const json document = json::parse(read_text(folder / "b.json"));
+  EXPECT_GT(document["peak_resident_bytes"], 0);
   std::ifstream csv(folder / "b.csv");
   std::string header, line;
   std::getline(csv, header);
   EXPECT_EQ(header, "suite,case,stage,median_ms,p99_ms,min_ms,runs,value,unit,note,device,driver");
   int totals = 0, splits_of_host = 0;
+  std::size_t number = 0;
   while (std::getline(csv, line)) {
+    const json& row = document["rows"].at(number++);
+    const double least = row["min_ms"], median = row["median_ms"], p99 = row["p99_ms"];
+    EXPECT_GT(least, 0);
+    EXPECT_LE(least, median);
+    EXPECT_LE(median, p99);
+    EXPECT_CONTAINS(line, fmt::format(",{:.5g},{:.5g},{:.5g},{},", median, p99, least, row["runs"].get<int>()));
     totals += line.find(",total,") != std::string::npos ? 1 : 0;
     splits_of_host += line.find(R"(, host",split,)") != std::string::npos ? 1 : 0;
   }

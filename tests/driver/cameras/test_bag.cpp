@@ -178,6 +178,7 @@ TEST(Bag, EveryFrameIsPlayedWhenItsClockSteps) {
     const std::string said = stderr_of([&] { sets = play(bag.bytes()); });
     if (one.said) {
       EXPECT_CONTAINS(said, std::string("take.bag: its clock ") + one.said);
+      EXPECT_CONTAINS(said, "continues their times at 10 Hz from there");
     } else {
       EXPECT_EQ(said, "");
     }

@@ -253,7 +253,11 @@ TEST(Guard, AGuardThatIsKilledOrStoppedIsFollowedByOneThatSilences) {
     rig.open();
     rig.send_for(10ms);
     kill(guard_of_ours(), signal);
+    const auto began = std::chrono::steady_clock::now();
     const std::string line = test::error_of([&] { rig.send_for(1min); }, Exit::failed);
+    if (signal == SIGSTOP) {
+      EXPECT_GE(std::chrono::steady_clock::now() - began, 900ms) << "it had been patient for less";
+    }
     EXPECT_EQ(line, std::string("trace: ") + what + "; a second palpa-guard has silenced the board");
     EXPECT_EQ(rig.count("open"), 2u);
     rig.expect_silent_end();

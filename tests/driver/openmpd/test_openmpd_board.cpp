@@ -146,6 +146,7 @@ TEST(OpenMpdBoard, CountsTheDrivesThatItsBoardsAreShown) {
   rig.faults[1]->takes_nothing = true;
   rig.play(drive, 0.15);
   EXPECT_LT(counts().completed.drives, 110u);
+  EXPECT_EQ(counts().completed.drives, std::min(shown[0], shown[1]));
   const std::uint64_t before = counts().completed.drives;
   rig.play(faint, 0.015);
   EXPECT_EQ(counts().completed.drives, before) << "the board does not take the silence either";

@@ -23,7 +23,12 @@ TEST(ScatterTask, RefusesSoundsAndBodiesOutOfRange) {
     EXPECT_ERROR(setup::scatter("ball", mesh, sound, in, points), Exit::usage, part);
   };
   refused(setup::PlaneWave{}, air, {}, "a plane wave needs a direction whose length is not 0");
-  refused(setup::PointSource{{0, 0, 1e5}}, air, {}, "the point source is not within");
+  for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}) {
+    for (const double side : {-1, 1}) {
+      refused(setup::PointSource{side * 1.0001e4 * axis}, air, {}, "the point source is not within 10000 m");
+      refused(setup::PlaneWave{{0, 0, 1}}, air, {side * 100.1 * axis}, "is not within 100 m");
+    }
+  }
   refused(setup::PointSource{{0, 0, 0.1}}, air, {}, "lies inside the mesh");
   refused(setup::ArraySound{layout, array::Drive(3)}, air, {}, "it has 3 transducers, but openmpd has 256");
   refused(setup::PlaneWave{{0, 0, 1}}, setup::air({}, {}), {}, "computed in lossless air");

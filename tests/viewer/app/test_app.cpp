@@ -147,6 +147,30 @@ TEST_F(LiveAppWithPanels, AllOffWinsOverAStartThatNoPictureHasShown) {
   }
 }
 
+struct Options : LiveAppWithPanels {
+  Options() : LiveAppWithPanels({900, 1600}) {}
+};
+
+TEST_F(Options, ThatHaveChangedHaveADot) {
+  make_touch();
+  click("Run");
+  click("Touch");
+  const Area field = place_of_widget("--delta").value_or(Area());
+  ASSERT_LT(field.top, field.bottom);
+  const auto corners_before_the_field = [&] {
+    draw();
+    const App::Frame frame = app_->render(size_, 1, now_s_);
+    return std::ranges::count_if(frame.sheet->corners, [&](const shader::SheetCorner& corner) {
+      return corner.place.x < field.left && corner.place.y > field.top && corner.place.y < field.bottom;
+    });
+  };
+  const auto usual = corners_before_the_field();
+  type("--delta", "3mm");
+  EXPECT_GE(corners_before_the_field(), usual + 12) << "a small circle";
+  click("--delta reset");
+  EXPECT_EQ(corners_before_the_field(), usual);
+}
+
 TEST_F(LiveAppWithPanels, AllOffWaitsForNoPicture) {
   ASSERT_TRUE(comes_to(LiveState::running));
   draw();

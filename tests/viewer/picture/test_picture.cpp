@@ -161,6 +161,14 @@ TEST(Picture, ExtentsGrowFromTouchToAll) {
   EXPECT_NEAR(all.high.y, 0.5, 1e-6);
   EXPECT_NEAR(all.low.x, -0.2, 1e-6);
   EXPECT_TRUE(extent(Picture{}, Extent::touch).empty());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float far : {-0.2F, 0.2F}) {
+      glm::vec3& end = picture.skin_points.emplace_back(0);
+      end[axis] = far;
+      EXPECT_EQ(extent(picture, Extent::objects).low, objects.low) << axis;
+      EXPECT_EQ(extent(picture, Extent::objects).high, objects.high) << axis;
+    }
+  }
 }
 
 /// Strokes of one colour around a place.

@@ -353,6 +353,7 @@ TEST_F(ConductorTest, AnAnswerBeforeTheQuestionIsIgnored) {
   test::SittingBench& bench = long_touches();
   ASSERT_TRUE(touches_and_sounds());
   EXPECT_EQ(bench.conductor().participant_view().hint, "");
+  EXPECT_TRUE(bench.conductor().participant_view().marker) << "where the finger begins";
   bench.press(key_of('2'));
   EXPECT_EQ(bench.sitting().screen(), Screen::touching);
   EXPECT_EQ(bench.conductor().participant_view().hint, "Please wait for the question.");
@@ -392,6 +393,7 @@ TEST_F(ConductorTest, ADoubleClickOnAnAnswerBeginsNothing) {
   ASSERT_TRUE(is_ready());
   bench.click(std::nullopt);
   ASSERT_TRUE(bench.reaches(Screen::question, false));
+  EXPECT_FALSE(bench.conductor().participant_view().marker);
   const std::chrono::nanoseconds answered = bench.click(1);
   ASSERT_EQ(bench.sitting().screen(), Screen::ready);
   ASSERT_TRUE(is_ready());
@@ -442,6 +444,13 @@ TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {
   EXPECT_EQ(bench.heard()->sounding, 0u) << "nothing sounds before consent";
   EXPECT_TRUE(bench.conductor().experimenter_view().buttons.empty());
   EXPECT_TRUE(bench.goes_until([&] { return bench.heard()->finished.load(); })) << "the array is left alone at the end";
+}
+
+TEST(StudyLosses, AreToldEachByItsNumber) {
+  EXPECT_EQ(to_text({.drives = 1, .skipped_drives = 2, .outdated_frames = 3, .thinned_frames = 4}),
+            "1 drive lost, 2 drives never sent, 3 frames too late, 4 frames thinned");
+  EXPECT_EQ(to_text({.thinned_frames = 1}), "1 frame thinned");
+  EXPECT_EQ(to_text({}), "");
 }
 
 /// A plan that leaves the array open fits any; one that names it says what is wrong in the plan's own words.
