@@ -132,9 +132,8 @@ Pair face(const Patch& a, const Patch& b, bool were_one) {
   const float worse = std::max(mean_a, mean_b);
   if (worse > (were_one ? 0.5F : 0.3F)) return {Pair::two};
   const float through_a = cosine_of_way(a.mean, a.normal, b.mean), through_b = cosine_of_way(b.mean, b.normal, a.mean);
-  const float sure = std::min(worse, std::max(through_a, through_b));
-  return {sure < (were_one ? 0.3F : -0.4F) ? Pair::one : Pair::unknown,
-          std::min(mean_a + mean_b, through_a + through_b)};
+  const bool sure = worse < (were_one ? 0.3F : -0.1F) || std::max(through_a, through_b) < (were_one ? 0.3F : -0.4F);
+  return {sure ? Pair::one : Pair::unknown, std::min(mean_a + mean_b, through_a + through_b)};
 }
 
 /// Looks at chords through the space between two patches: from each sample of one patch to some sample of the other,
