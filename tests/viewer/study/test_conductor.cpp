@@ -446,13 +446,6 @@ TEST_F(ConductorTest, WindowsSayWhatCanBeDone) {
   EXPECT_TRUE(bench.goes_until([&] { return bench.heard()->finished.load(); })) << "the array is left alone at the end";
 }
 
-TEST(StudyLosses, AreToldEachByItsNumber) {
-  EXPECT_EQ(to_text({.drives = 1, .skipped_drives = 2, .outdated_frames = 3, .thinned_frames = 4}),
-            "1 drive lost, 2 drives never sent, 3 frames too late, 4 frames thinned");
-  EXPECT_EQ(to_text({.thinned_frames = 1}), "1 frame thinned");
-  EXPECT_EQ(to_text({}), "");
-}
-
 /// A plan that leaves the array open fits any; one that names it says what is wrong in the plan's own words.
 TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
   const fs::path folder = test::scratch_folder("study-layouts");

@@ -10,6 +10,7 @@
 #include "session/forward_clock.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/heard_link.hpp"
+#include "viewer/study/conductor.hpp"
 #include "viewer/study/gate.hpp"
 
 namespace palpa::viewer {
@@ -291,6 +292,13 @@ TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
   EXPECT_EQ(gate_.newest_s(), 3.5) << "also while it is closed";
   gate_.restart();
   EXPECT_LT(gate_.newest_s(), 0);
+}
+
+TEST(StudyLosses, AreToldEachByItsNumber) {
+  EXPECT_EQ(to_text({.drives = 1, .skipped_drives = 2, .outdated_frames = 3, .thinned_frames = 4}),
+            "1 drive lost, 2 drives never sent, 3 frames too late, 4 frames thinned");
+  EXPECT_EQ(to_text({.thinned_frames = 1}), "1 frame thinned");
+  EXPECT_EQ(to_text({}), "");
 }
 
 }  // namespace
