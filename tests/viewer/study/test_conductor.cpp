@@ -493,8 +493,7 @@ TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
   try_study_link(plan, run, kinds);
   EXPECT_EQ(told_to_move, moves);
   run.rig = test::source_file("assets/rigs/paper.toml");
-  take_layouts(plan, run, kinds);
-  EXPECT_EQ(plan.methods[1].layout, "paper") << "the rig's";
+  EXPECT_EQ((take_layouts(plan, run, kinds), plan.methods[1].layout), "paper") << "the rig's";
 }
 
 }  // namespace
