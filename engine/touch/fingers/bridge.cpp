@@ -106,7 +106,8 @@ bool is_too_wide(const Patch& a, const Patch& b, float finger_width) {
   return high - low > finger_width * glm::length(line);
 }
 
-/// Whether the lines between contacts that face each other go through a finger: they enter the skin at both ends.
+/// Whether the line between the means, or those between contacts that face each other, go through a finger: they enter
+/// the skin at both ends.
 Pair face(const Patch& a, const Patch& b, bool were_one) {
   InplaceVector<Way, std::size_t{2} * most_samples> ways;  // `own` is the end in `a`
   for (const SkinSample& sample : *a.samples)

@@ -3,8 +3,8 @@
 //
 // Euclidean clusters of one solid are joined under three conditions (docs/touch.md has all rules):
 // - Together, they are no wider than a finger from one side to the other.
-// - Between the contacts that face each other, the line enters the skin at both ends, as it does between any two places
-//   of a convex body. The skin's outward normals come from the depth pictures.
+// - Between their means, or between the contacts that face each other, the line enters the skin at both ends, as it
+//   does between any two places of a convex body. The skin's outward normals come from the depth pictures.
 // - No camera saw that the space between them is empty, that is, no camera saw something clearly farther away in that
 //   direction.
 // They are also joined if cameras see the skin between them: the rings of a finger through a plate, or the halves of
