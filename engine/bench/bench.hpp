@@ -41,8 +41,8 @@ void measure_loop(const Context& context, std::vector<Row>& rows);
 void measure_array(const Context& context, std::vector<Row>& rows);
 /// Ten foci at once by each solver, on the device and by the twins: evenness, pressure and solves per second.
 void measure_solvers(const Context& context, std::vector<Row>& rows);
-/// Foci and nulls at once, on the host, which computes them on every device.
-void measure_nulls(const Context& context, std::vector<Row>& rows);
+/// Foci and nulls at once, on the host, which computes them on every device; of each case at most so many random sets.
+void measure_nulls(const Context& context, std::vector<Row>& rows, std::uint32_t most_sets = 48);
 /// The sound of a drive on a plane, on the device and on the host.
 void measure_field(const Context& context, std::vector<Row>& rows);
 /// Scattering by spheres, by the finger and by the hand, on the host: first the accuracy, then the time.
@@ -55,6 +55,9 @@ void measure_methods(const Context& context, std::vector<Row>& rows);
 /// Solids of many faces: time and memory for preparing one, from scratch and from the cache, and the contacts of a full
 /// three-camera frame compared with those of the cube.
 void measure_surface(const Context& context, std::vector<Row>& rows);
+/// Its time and memory for preparing a scene's solids. Uses a cache of its own, and removes it.
+void measure_preparation(const Context& context, const std::string& name, const geometry::Scene& scene,
+                         std::vector<Row>& rows);
 
 /// Resident memory of this process now, and the highest so far, in bytes.
 std::uint64_t resident_bytes();

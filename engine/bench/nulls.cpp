@@ -133,9 +133,9 @@ void measure(const Context& context, const Case& which, const array::Layout& lay
   };
   batch();
   const Heard heard = listen(layout, all, drives, without);
-  const double most_db = constraint == Constraint::uniform ? -40 : which.radius_m > 0 ? -75 : -80;
-  if (heard.deepest_db > most_db || heard.evenness < 0.94 ||
-      heard.loss_db > (constraint == Constraint::clamp ? 5 : 3)) {
+  const bool full = constraint != Constraint::normalise;  // clamp gives the drive of uniform
+  const double most_db = full ? -40 : which.radius_m > 0 ? -75 : -80;
+  if (heard.deepest_db > most_db || heard.evenness < 0.94 || heard.loss_db > 3) {
     wrong(fmt::format("{}: nulls at {:.0f} dB, foci {:.3f}, {:.1f} dB lost", name, heard.deepest_db, heard.evenness,
                       heard.loss_db));
   }
@@ -152,12 +152,13 @@ void measure(const Context& context, const Case& which, const array::Layout& lay
 
 }  // namespace
 
-void measure_nulls(const Context& context, std::vector<Row>& rows) {
+void measure_nulls(const Context& context, std::vector<Row>& rows, std::uint32_t most_sets) {
   constexpr double half_m = 30e-3, ball_m = 0.5e-3;
-  const Case cases[]{{"paper", Vec3(0), Vec3(half_m), false, 0, 48},
-                     {"openmpd", {0, 0, 0.15}, {half_m, half_m, 20e-3}, true, 0, 48},
-                     {"paper", Vec3(0), Vec3(half_m), false, ball_m, 6}};
-  for (const Case& which : cases) {
+  Case cases[]{{"paper", Vec3(0), Vec3(half_m), false, 0, 48},
+               {"openmpd", {0, 0, 0.15}, {half_m, half_m, 20e-3}, true, 0, 48},
+               {"paper", Vec3(0), Vec3(half_m), false, ball_m, 6}};
+  for (Case& which : cases) {
+    which.sets = std::min(which.sets, most_sets);
     const array::Layout layout = array::load_layout(which.layout);
     const std::vector<Set> all = random_sets(which);
     for (const Constraint constraint : {Constraint::normalise, Constraint::uniform, Constraint::clamp})

@@ -66,40 +66,6 @@ Prepared prepare(const geometry::Scene& scene) {
   return prepared;
 }
 
-void measure_preparation(const Context& context, const std::string& name, const geometry::Scene& scene,
-                         std::vector<Row>& rows) {
-  std::vector<double> fresh, cached;
-  double megabytes = 0;
-  for (int run = 0; run < 3; ++run) {
-    const Environment off("PALPA_CACHE", "off");
-    const std::uint64_t before = resident_bytes();
-    reset_peak();
-    const double begin = now_ms();
-    const Prepared prepared = prepare(scene);
-    fresh.push_back(now_ms() - begin);
-    megabytes = std::max(megabytes, static_cast<double>(peak_resident_bytes()) - static_cast<double>(before));
-    context.progress(name + ", prepared", static_cast<std::uint64_t>(run), 3);
-  }
-  Row row = make_row("surface", name, "prepared", fresh);
-  row.value = megabytes / 1e6;
-  row.unit = "MB";
-  rows.push_back(row);
-  // A separate cache, so that only newly written entries are measured.
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("palpa-bench-{}", getpid());
-  {
-    const Environment on("PALPA_CACHE", "on"), here("XDG_CACHE_HOME", folder.c_str());
-    prepare(scene);
-    for (int run = 0; run < 7; ++run) {
-      const double begin = now_ms();
-      const Prepared prepared = prepare(scene);
-      cached.push_back(now_ms() - begin);
-    }
-  }
-  std::error_code error;
-  std::filesystem::remove_all(folder, error);
-  rows.push_back(make_row("surface", name, "from cache", cached));
-}
-
 /// Contacts of the frame in which three cameras see the finger; gives the median.
 double measure_contacts(const Context& context, const std::string& name, const std::vector<geometry::Solid>& solids,
                         const setup::PosedRig& set_up, const sensing::FrameSet& frame, double cube_ms,
@@ -145,6 +111,40 @@ Model load_model(const std::string& file) {
   const Environment off("PALPA_CACHE", "off");
   prepare(model.scene);
   return model;
+}
+
+void measure_preparation(const Context& context, const std::string& name, const geometry::Scene& scene,
+                         std::vector<Row>& rows) {
+  std::vector<double> fresh, cached;
+  double megabytes = 0;
+  for (std::uint32_t run = 0; run < std::min(3U, context.runs); ++run) {
+    const Environment off("PALPA_CACHE", "off");
+    const std::uint64_t before = resident_bytes();
+    reset_peak();
+    const double begin = now_ms();
+    const Prepared prepared = prepare(scene);
+    fresh.push_back(now_ms() - begin);
+    megabytes = std::max(megabytes, static_cast<double>(peak_resident_bytes()) - static_cast<double>(before));
+    context.progress(name + ", prepared", run, 3);
+  }
+  Row row = make_row("surface", name, "prepared", fresh);
+  row.value = megabytes / 1e6;
+  row.unit = "MB";
+  rows.push_back(row);
+  // A separate cache, so that only newly written entries are measured.
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("palpa-bench-{}", getpid());
+  {
+    const Environment on("PALPA_CACHE", "on"), here("XDG_CACHE_HOME", folder.c_str());
+    prepare(scene);
+    for (std::uint32_t run = 0; run < std::min(7U, context.runs); ++run) {
+      const double begin = now_ms();
+      const Prepared prepared = prepare(scene);
+      cached.push_back(now_ms() - begin);
+    }
+  }
+  std::error_code error;
+  std::filesystem::remove_all(folder, error);
+  rows.push_back(make_row("surface", name, "from cache", cached));
 }
 
 void measure_surface(const Context& context, std::vector<Row>& rows) {

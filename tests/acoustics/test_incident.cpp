@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <random>
 #include <string>
 #include <utility>
@@ -51,6 +52,26 @@ TEST(Air, RefusesValuesOutOfRange) {
     EXPECT_ERROR(air_of(one.first), Exit::usage, one.second);
   EXPECT_ERROR(air_of({}, 10), Exit::usage, "frequency of 10 Hz");
   EXPECT_ERROR(air_of({}, 40e3, 10), Exit::usage, "sound speed of 10 m/s");
+}
+
+/// docs/limits.md has these limits.
+TEST(Air, TakesTheLastValueOfEachRangeAndRefusesTheNext) {
+  struct Case {
+    const char* what;
+    double low, high;
+    std::function<Air(double)> air;
+  };
+  for (const Case& one : {Case{"temperature", -60, 100, [](double value) { return air_of({.celsius = value}); }},
+                          {"humidity", 0, 100, [](double value) { return air_of({.humidity_percent = value}); }},
+                          {"air pressure", 20e3, 500e3, [](double value) { return air_of({.pressure_pa = value}); }},
+                          {"frequency", 1e3, 10e6, [](double value) { return air_of({}, value); }},
+                          {"sound speed", 100, 2000, [](double value) { return air_of({}, 40e3, value); }}}) {
+    SCOPED_TRACE(one.what);
+    for (const double value : {one.low, one.high})
+      EXPECT_TRUE(std::isfinite(one.air(value).absorption_np_m)) << value;
+    for (const double value : {std::nextafter(one.low, -1e9), std::nextafter(one.high, 1e9)})
+      EXPECT_ERROR(one.air(value), Exit::usage, one.what);
+  }
 }
 
 /// Drives of a layout in which all values differ.

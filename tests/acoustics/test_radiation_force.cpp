@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,10 @@
 #include "acoustics/elements/polynomial.hpp"
 #include "acoustics/field/waves.hpp"
 #include "acoustics/rigs.hpp"
+#include "base/error.hpp"
 #include "geometry/files/load_triangles.hpp"
 #include "geometry/mesh/icosphere.hpp"
+#include "support/captured.hpp"
 #include "support/exhaustive.hpp"
 #include "support/instrumented.hpp"
 #include "support/shapes.hpp"
@@ -118,6 +121,57 @@ std::vector<Kind> spheres() {
     kinds.push_back({"geodesic, 4500", geometry::icosphere(radius, 15), 0.02});
   }
   return kinds;
+}
+
+/// The advised length is followed by scaling the mesh: slightly smaller, the message is gone; slightly larger, it
+/// comes.
+TEST(RadiationForce, TheSidesThatAMessageAdvisesAreRight) {
+  geometry::Mesh long_ones = geometry::icosphere(radius, 6);
+  for (Vec3& p : long_ones.positions)
+    p.x *= p.x > 0 ? 3 : 1;
+  const struct {
+    geometry::Mesh mesh;
+    bool force;
+    const char *is, *should;
+    double (*side)(const geometry::Mesh&);
+  } cases[]{{geometry::icosphere(radius, 4), false, "coarse: its faces' sides are (\\S+) mm",
+             "below (\\S+) mm, errors are a few percent or less", mean_side},
+            {geometry::icosphere(radius, 4), false, "too coarse: its faces' sides are (\\S+) mm",
+             "below (\\S+) mm, results are meaningful", mean_side},
+            {geometry::icosphere(radius, 4), true, "coarse: its faces' sides are (\\S+) mm",
+             "below (\\S+) mm, errors are a few percent or less", mean_side},
+            {long_ones, false, "a twentieth of its faces' sides are longer than (\\S+) mm",
+             "if they are below (\\S+) mm, errors are a few percent or less", long_side}};
+  constexpr double wavelength_m = 8.6e-3;
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.should);
+    const auto told = [&](double side_m) {
+      const double scale = side_m / one.side(one.mesh);
+      const geometry::Mesh mesh = test::transformed(one.mesh, [&](const Vec3& p) { return scale * p; });
+      std::string refused;
+      const std::string warned = test::stderr_of([&] {
+        try {
+          check_fineness("body.ply", mesh, wavelength_m, one.force);
+        } catch (const Error& error) {
+          refused = error.what();
+        }
+      });
+      return warned + refused;
+    };
+    const auto number_in = [&](const std::string& text, const char* number) {
+      std::smatch found;
+      return std::regex_search(text, found, std::regex(number)) ? std::stod(found[1]) * 1e-3 : 0;
+    };
+    // From large to small, the first length with this message.
+    double side = 20e-3;
+    while (side > 0.5e-3 && number_in(told(side), one.should) == 0)
+      side *= 0.98;
+    const double should = number_in(told(side), one.should);
+    ASSERT_GT(should, 0);
+    EXPECT_NEAR(number_in(told(side), one.is), side, 0.006e-3);
+    EXPECT_EQ(number_in(told(0.99 * should), one.should), 0);
+    EXPECT_GT(number_in(told(1.01 * should), one.should), 0);
+  }
 }
 
 TEST(RadiationForce, IsTheSeriesOnEverySphereThatIsFineEnough) {

@@ -190,6 +190,24 @@ TEST(StrideTuner, FollowsALastingChangeOnceItHasRested) {
   EXPECT_EQ(tuner.stride_for(1, ring(15e-3, 10, 1, 1.5e-3), 1.2), 3u);
 }
 
+TEST(StrideTuner, AFingerWithAnotherNumberOfFociIsAsNew) {
+  for (const std::uint32_t before : {5u, 10u, 21u}) {
+    for (const std::uint32_t foci : {6u, 8u, 9u, 13u, 16u, 20u}) {
+      StrideTuner tuner;
+      tuner.stride_for(1, ring(15e-3, before, 1), 0);
+      tuner.learn(1, Harmonics(20e-3, before, 10e-3), 0);
+      tuner.stride_for(1, ring(15e-3, before, 1), 0.01);
+      ASSERT_FALSE(tuner.wants(1, 0.02));
+      const std::uint32_t stride = tuner.stride_for(1, ring(25e-3, foci, 1), 0.02);
+      EXPECT_EQ(std::gcd(stride, foci), 1u) << "every focus has its turn";
+      EXPECT_EQ(stride, StrideTuner().stride_for(1, ring(25e-3, foci, 1), 0.02)) << before << ' ' << foci;
+      EXPECT_TRUE(tuner.wants(1, 0.02)) << "those that it knows are of other foci";
+      tuner.learn(1, Harmonics(20e-3, foci, 10e-3), 0.02);
+      EXPECT_FALSE(tuner.wants(1, 0.03));
+    }
+  }
+}
+
 TEST(StrideTuner, ForgetsTheOneSeenLongestAgoWhateverTheClockSays) {
   const Ring usual = ring(15e-3, 10, 1);
   // A clock that stands still, and a clock that is set back before the second half.

@@ -137,6 +137,37 @@ TEST(DriveMemory, AreReusedBatchAfterBatchWithoutAllocating) {
   }
 }
 
+TEST(DriveMemory, ABatchDoesNotDependOnTheOneBefore) {
+  gpu::Device& device = test::test_device();
+  const Layout layout = load_layout("openmpd");
+  const DriveOptions options = with(Solver::gs_pat);
+  const DrivePasses passes(device, options.solver);
+  const auto slots = random_slots(12, 4, 7);
+  enum Kind { one_focus, solved, by_factors };
+  const auto fill = [&](DriveMemory& memory, Kind kind) {
+    memory.clear();
+    for (const std::vector<SlotFocus>& slot : slots) {
+      if (kind == by_factors) {
+        const std::vector<std::complex<double>> factors(slot.size(), std::polar(0.2, 0.5));
+        ASSERT_TRUE(memory.add_slot(slot, factors));
+      } else {
+        ASSERT_TRUE(memory.add_slot(kind == solved ? std::span(slot)
+                                                   : std::span(slot).first(std::min<std::size_t>(1, slot.size()))));
+      }
+    }
+    test::run_on_device([&](VkCommandBuffer commands) { memory.record(commands, passes); });
+    memory.solve_on_host();
+  };
+  DriveMemory used(device, layout, options, 12, 48);
+  for (const Kind kind : {by_factors, solved, one_focus, by_factors, one_focus, solved, by_factors}) {
+    fill(used, kind);
+    DriveMemory fresh(device, layout, options, 12, 48);
+    fill(fresh, kind);
+    for (std::uint32_t s = 0; s < used.slots(); ++s)
+      ASSERT_TRUE(same(used.drive(s), fresh.drive(s))) << kind << ", slot " << s;
+  }
+}
+
 TEST(DriveMemory, AFullBatchRefusesAndStaysAsItIs) {
   DriveMemory buffers(test::test_device(), load_layout("openmpd"), {}, 2, 3);
   const std::vector<SlotFocus> two(2), one(1);

@@ -319,6 +319,34 @@ TEST(Loudness, AmplitudesAreAtMostOneAndReportedPressuresAreReached) {
   }
 }
 
+TEST(Loudness, AFrameDoesNotDependOnThoseBefore) {
+  const Layout layout = posed("openmpd");
+  Loudness used(layout, {});
+  struct Ring {
+    Vec3 centre;
+    double pressure_pa;
+    std::uint32_t foci;
+  };
+  // Fingers that move, come and go, have other foci and ask for nothing.
+  const std::vector<Ring> frames[]{{{{-0.02, 0, 0}, 2e3, 10}, {{0.02, 0, 0}, 0, 6}},
+                                   {{{-0.02, 0, 0.02}, 2e3, 10}, {{0.02, 0, -0.02}, 0, 6}},
+                                   {{{0.03, 0.02, 0}, 3e3, 6}},
+                                   {{{0, 0, 0}, 0, 6}, {{0.03, 0, 0}, 1e3, 6}, {{-0.03, 0, 0}, 3e3, 6}}};
+  for (const std::vector<Ring>& frame : frames) {
+    Schedule schedule;
+    for (const Ring& ring : frame)
+      add_ring(schedule, ring.centre, 5e-3, ring.pressure_pa, ring.foci);
+    Schedule again = schedule;
+    Loudness fresh(layout, {});
+    used.solve(schedule, 6);
+    fresh.solve(again, 6);
+    for (std::uint32_t slot = 0; slot < 6; ++slot)
+      EXPECT_TRUE(std::ranges::equal(used.factors(slot), fresh.factors(slot))) << slot;
+    for (std::uint32_t v = 0; v < schedule.voice_count; ++v)
+      EXPECT_EQ(schedule.voices[v].reached_pa, again.voices[v].reached_pa) << v;
+  }
+}
+
 TEST(Loudness, TheDeviceAddsUpTheSameDrives) {
   const Layout layout = posed("paper");
   const DriveOptions options{.solver = Solver::gs_pat};

@@ -1,11 +1,16 @@
-// `palpa bench --suite growth`, at its smallest sizes.
+// Suites of `palpa bench`, at their smallest sizes.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 #include <string>
 
+#include "array/drive_options.hpp"
+#include "bench/bench.hpp"
 #include "bench/growth.hpp"
+#include "geometry/mesh/icosphere.hpp"
 #include "support/device.hpp"
 
 namespace palpa {
@@ -20,6 +25,59 @@ TEST(Growth, ExponentsAreThoseOfThePowers) {
   EXPECT_NEAR(bent.fitted, 1, 1e-12);
   EXPECT_NEAR(bent.steepest, 2, 1e-12);
   EXPECT_EQ(bench::exponents_of(Samples{{1, 5}}).fitted, 0);
+}
+
+TEST(Bench, ARowHasTheMedianThe99thPercentileAndTheLeast) {
+  std::vector<double> samples;
+  for (int i = 0; i <= 200; ++i)
+    samples.push_back(1 + (i * 77 % 201) * 0.5);  // 1 to 101
+  const bench::Row row = bench::make_row("suite", "name", "stage", samples);
+  EXPECT_EQ(row.median_ms, 51);
+  EXPECT_EQ(row.p99_ms, 100);
+  EXPECT_EQ(row.least_ms, 1);
+  EXPECT_EQ(row.runs, 201u);
+  EXPECT_EQ(row.suite + ' ' + row.name + ' ' + row.stage, "suite name stage");
+}
+
+const bench::Context& few_runs() {
+  static const bench::Context context{
+      test::test_device(), 1, {}, [](const std::string&, std::uint64_t, std::uint64_t) {}};
+  return context;
+}
+
+TEST(Bench, NullsAreMeasuredUnderEveryConstraint) {
+  std::vector<bench::Row> rows;
+  bench::measure_nulls(few_runs(), rows, 1);
+  std::multiset<std::string> found;
+  for (const bench::Row& row : rows) {
+    found.insert(row.name);
+    EXPECT_GT(row.value, 0) << row.name;
+  }
+  std::multiset<std::string> expected;
+  for (const auto& constraint : array::constraint_words) {
+    for (const char* nulls : {"paper 4 foci 4 nulls ", "openmpd 4 foci 4 nulls ", "paper 4 foci 4 nulls of 0.5 mm "})
+      expected.insert(std::string(nulls) + std::string(constraint.word) + " C++");
+  }
+  EXPECT_EQ(found, expected);
+}
+
+TEST(Bench, PreparingSolidsIsMeasuredWithAndWithoutACacheThatIsRemoved) {
+  /// Of this process.
+  const auto folders = [] {
+    std::set<std::filesystem::path> all;
+    for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path())) {
+      if (entry.path().filename().string().ends_with(std::to_string(getpid()))) all.insert(entry.path());
+    }
+    return all;
+  };
+  const std::set<std::filesystem::path> before = folders();
+  std::vector<bench::Row> rows;
+  const geometry::Scene scene{"bench", {{"ball", geometry::icosphere(0.02, 16), {}, {}, {}}}};
+  bench::measure_preparation(few_runs(), "ball", scene, rows);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].stage, "prepared");
+  EXPECT_EQ(rows[1].stage, "from cache");
+  EXPECT_EQ(folders(), before);
 }
 
 TEST(Growth, EachAxisIsMeasuredOnHostAndDeviceAndDrawn) {

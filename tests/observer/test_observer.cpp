@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,13 @@
 #include "study/tables/dprime.hpp"
 #include "study/tables/paper.hpp"
 #include "support/exhaustive.hpp"
+#include "support/json.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::observer {
 namespace {
 
+using nlohmann::json;
 using study::correct_of_dprime;
 using study::paper_cross_section;
 using study::paper_single_focus;
@@ -162,17 +165,26 @@ const Prediction& shared_prediction() {
   return prediction;
 }
 
-/// At the level at which the study is run, the noise is that of the reference, however weak the sound is.
-TEST(IdealObserver, ThePlansLevelKeepsTheNoise) {
+/// A study whose sound is weak. The first method is felt as at the reference, the second not at all.
+Responses weak_study() {
   Responses responses = made_up({0.5, 1});
   responses.levels.insert(responses.levels.begin() + 2, {"plan (0.13 mN)", 0.0024, 0.13e-3, 0.05});
   for (std::size_t i = 0; i < responses.touches.size(); ++i) {
-    // The first method is felt as at the reference, the second not at all.
     std::vector<std::vector<float>>& counts = responses.touches[i].counts;
     const bool felt = i < responses.touches.size() / 2;
     counts.insert(counts.begin() + 2, felt ? counts[0] : std::vector<float>(counts[0].size(), 0));
   }
-  const Prediction prediction = predict(responses, paper_study, {.points = 128});
+  return responses;
+}
+
+const Prediction& weak_prediction() {
+  static const Prediction prediction = predict(weak_study(), paper_study, {.points = 128});
+  return prediction;
+}
+
+/// At the level at which the study is run, the noise is that of the reference, however weak the sound is.
+TEST(IdealObserver, ThePlansLevelKeepsTheNoise) {
+  const Prediction& prediction = weak_prediction();
   EXPECT_EQ(prediction.levels.size(), 3u) << "those at which the noise is fitted";
   const PredictedVariant &reference = prediction.variants[0], &at_plan = prediction.at_plan.value().prediction;
   EXPECT_EQ(at_plan.sigma, reference.sigma);
@@ -180,7 +192,8 @@ TEST(IdealObserver, ThePlansLevelKeepsTheNoise) {
   EXPECT_NEAR(at_plan.methods[1].accuracy, 0.25, 1e-9) << "guessed";
   for (const std::string& report : {prediction_text(prediction, {}, ""), prediction_html(prediction, {}, "")}) {
     EXPECT_CONTAINS(report,
-                    "At the plan's ceiling of 0.05, the force at a single focus' crest is 0.13 mN, 123 times less");
+                    "At the plan's ceiling of 0.05, the force at a single focus' crest is 0.13 mN, 123 times less "
+                    "than the 16 mN to which the noise is fitted");
     EXPECT_CONTAINS(report, "so it is too narrow");
   }
 }
@@ -297,7 +310,7 @@ TEST(IdealObserver, Reports) {
   const Prediction& prediction = shared_prediction();
   const Comparison paper = compare(prediction, {{"cross-section", "paper", paper_cross_section()}});
   const std::string text = prediction_text(prediction, paper, "0123"),
-                    html = prediction_html(prediction, paper, "0123"), csv = prediction_csv(prediction, paper);
+                    html = prediction_html(prediction, paper, "0123");
   EXPECT_CONTAINS(text, "fitted to single-focus 0.390 (156 of 400 trials");
   EXPECT_CONTAINS(text, "sha256 of the prediction: 0123");
   EXPECT_CONTAINS(text, "null: lapses");
@@ -312,14 +325,75 @@ TEST(IdealObserver, Reports) {
     for (const std::string& method : prediction.methods)
       EXPECT_CONTAINS(figure, ">" + method + "<");
   }
-  std::size_t rows = 1;
-  for (const auto* list : {&prediction.variants, &prediction.nulls}) {
-    for (const PredictedVariant& variant : *list)
-      rows += variant.methods.size();
+}
+
+/// A row's cells, without quotes.
+std::vector<std::string> cells_of(const std::string& row) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (const char c : row) {
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
   }
-  for (const PredictedLevel& level : prediction.levels)
-    rows += level.prediction.methods.size();
-  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(csv, '\n')), rows);
+  return cells;
+}
+
+/// The number in a cell; null if the cell is empty.
+json number_in(const std::string& cell) {
+  return cell.empty() ? json() : json(std::stod(cell));
+}
+
+TEST(IdealObserver, TheCsvHasTheNumbersOfTheJson) {
+  const Prediction& prediction = weak_prediction();
+  const Comparison people = compare(
+      prediction, {{"single-focus", "paper", paper_single_focus()}, {"cross-section", "paper", paper_cross_section()}});
+  const json all = json::parse(prediction_json(prediction, people, "0123"));
+  std::istringstream csv(prediction_csv(prediction, people));
+  std::string line;
+  ASSERT_TRUE(std::getline(csv, line));
+  EXPECT_EQ(line, "kind,variant,method,accuracy,low,high,error,rms,errors_r,log_likelihood");
+  /// `fit`: its name in the comparison with people; empty: it is not compared.
+  const auto expect_rows = [&](const std::string& kind, const std::string& name, const json& part,
+                               const std::string& fit) {
+    for (const json& method : part["methods"]) {
+      const std::string of = method["method"];
+      SCOPED_TRACE(kind + ' ' + name + ' ' + of);
+      ASSERT_TRUE(std::getline(csv, line));
+      const std::vector<std::string> cells = cells_of(line);
+      ASSERT_EQ(cells.size(), 10u) << line;
+      EXPECT_EQ(cells[0] + ' ' + cells[1] + ' ' + cells[2], kind + ' ' + name + ' ' + of);
+      std::vector<json> expected{method["accuracy"], {}, {}, method["error"], {}, {}, {}};
+      if (const json& interval = method["fitted_interval"]; !interval.is_null())
+        expected[1] = interval[0], expected[2] = interval[1];
+      for (const json& observed : all["beside"]) {
+        for (const json& one : observed["fits"]) {
+          if (observed["method"] != of || one["name"] != fit) continue;
+          expected[4] = one["rms"], expected[5] = one["errors_r"], expected[6] = one["log_likelihood"];
+        }
+      }
+      EXPECT_EQ(expected[4].is_null(), fit.empty());
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        const json is = number_in(cells[3 + i]);
+        ASSERT_EQ(is.is_null(), expected[i].is_null()) << i;
+        if (is.is_null()) continue;
+        EXPECT_NEAR(is.get<double>(), expected[i].get<double>(), 1e-6) << i;
+      }
+    }
+  };
+  const json& predicted = all["prediction"];
+  for (const json& variant : predicted["variants"])
+    expect_rows("variant", variant["name"], variant, variant["name"]);
+  for (const json& level : predicted["levels"])
+    expect_rows("level", level["name"], level["prediction"], "");
+  expect_rows("plan level", "plan (0.13 mN)", predicted["plan_level"]["prediction"], "");
+  for (const json& null : predicted["nulls"])
+    expect_rows("null", null["name"], null, "null: " + null["name"].get<std::string>());
+  EXPECT_FALSE(std::getline(csv, line)) << line;
 }
 
 }  // namespace

@@ -370,6 +370,30 @@ TEST(Stats, QuantilesAndJson) {
                 "\n");
 }
 
+TEST(Stats, EveryReasonForWhichPointsAreNoSkinIsNamed) {
+  using sensing::NoSkin;
+  const std::pair<NoSkin, std::string> reasons[]{{NoSkin::room, "outside the room"},
+                                                 {NoSkin::board, "on the array's boards"},
+                                                 {NoSkin::screen, "on the screen"},
+                                                 {NoSkin::background, "in the background"}};
+  const std::string begin = "points that are no skin, in a frame on average: ";
+  sensing::Dropped all;
+  ASSERT_EQ(all.counts.size(), std::size(reasons));
+  std::string in_all;
+  for (const auto& [why, where] : reasons) {
+    sensing::Dropped one;
+    one.counts[static_cast<std::size_t>(why)] = 19;
+    EXPECT_EQ(to_text(one, 10), begin + "2 " + where + "\n");
+    const std::size_t count = 10 * (all.total() + 1);
+    all.counts[static_cast<std::size_t>(why)] = count;
+    in_all += (in_all.empty() ? "" : ", ") + fmt::format("{} {}", count / 10, where);
+  }
+  EXPECT_EQ(to_text(all, 10), begin + in_all + "\n");
+  EXPECT_EQ(to_text(sensing::Dropped{}, 10), "");
+  EXPECT_EQ(to_text(all, 0), "");
+  EXPECT_EQ(to_text({}, 10), "");
+}
+
 TEST(Stats, EachQuantileHasItsOwnName) {
   LoopStats stats;
   Samples& samples = stats.frame_to_plan_s;

@@ -92,6 +92,22 @@ TEST(EarDrives, OfAModulatedFocusFollowTheBoardsClock) {
   }
 }
 
+TEST(EarDrives, FollowTheCeilingInTheStepsThatBoardsHave) {
+  const array::Schedule schedule = test::touching(Vec3(0, 0.15, 0));
+  for (const array::Layout& layout : {test::small_layout(), array::load_layout("openmpd")}) {
+    Plan plan{.schedule = schedule};
+    test::list_drives(layout, plan);
+    const auto loudest_at = [&](double ceiling) {
+      SessionSetting setting;
+      setting.layout = layout;
+      setting.safety.ceiling = ceiling;
+      return test::loudest_of(ear_drives(plan, setting, false).drives);
+    };
+    for (const double ceiling : {0.0, 0.1, 0.3, 0.7})
+      EXPECT_NEAR(loudest_at(ceiling), ceiling * loudest_at(1), layout.boards.empty() ? 1e-6 : 0.015) << ceiling;
+  }
+}
+
 TEST(Output, ASharedModulationIsOneScalarOverTheWholeDrive) {
   Output out;
   const Plan plain = out.plan_of(test::touching(Vec3(0, 0.15, 0)));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <regex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -164,6 +165,26 @@ TEST(Overload, IsToldOnceWithBothFiguresAfterWorkWasShedStepByStep) {
   EXPECT_CONTAINS(told, " ms, longer than the hold of 20 ms");
   EXPECT_CONTAINS(told, "give --hold ");
   EXPECT_CONTAINS(to_json(loop.stats), R"("shed":{"pixel_stride":2,"foci_part":2,"hold_s":0.02,"frames":)");
+}
+
+TEST(Overload, AnAdvisedHoldIsLongEnoughForFramesThatTakeHalfAsLongAgain) {
+  const auto told_of = [](double hold_s, double takes_s) {
+    SteppedLoop<> loop;
+    loop.source.count = 30;
+    loop.options.every_frame = true;  // no frame waits for another
+    loop.setting.output.hold_s = hold_s;
+    loop.planner.before = [&](std::uint64_t) { loop.clock.sleep(takes_s); };
+    return test::stderr_of([&] { loop.run(); });
+  };
+  for (const double takes_s : {0.020, 0.095, 0.400, 3.2}) {
+    const std::string told = told_of(takes_s / 2, takes_s);
+    std::smatch advised;
+    ASSERT_TRUE(std::regex_search(told, advised, std::regex(R"(give --hold (\d+)ms, or )"))) << told;
+    const double hold_s = std::stod(advised[1]) / 1e3;
+    EXPECT_EQ(told_of(hold_s, 1.5 * takes_s), "") << takes_s;
+    EXPECT_LE(hold_s, 10);
+  }
+  EXPECT_CONTAINS(told_of(1, 3.5), "before it sounds; give smaller frames") << "--hold is at most 10 s";
 }
 
 TEST(Overload, NothingIsShedWhereEveryFrameIsLookedAt) {

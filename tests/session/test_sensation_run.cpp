@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <glm/ext/matrix_transform.hpp>
 #include <span>
 #include <vector>
 
@@ -193,6 +194,29 @@ TEST(SensationRun, PlaysOnAHandAndIsSilentWhenItIsLost) {
   const auto point = playing.control.newest(1);
   EXPECT_NEAR(point.at(0).pattern_s, 0.19, 0.02);  // its time went on
   EXPECT_EQ(point.at(0).gain, 0);
+}
+
+TEST(SensationRun, FollowsTheHandOrNotThroughStartsAndPauses) {
+  Playing playing;
+  playing.setting.hand = &playing.hand;
+  auto sensation = moving();
+  std::vector<std::pair<std::uint64_t, bool>> on_hand;
+  playing.link.before = [&](std::uint64_t slot) {
+    if (slot % 5 == 0) playing.hand.see(glm::translate(Transform(1.0), Vec3(0, 1, 0)), playing.clock.now());
+    if (slot == 60 || slot == 310) playing.control.follow(false);
+    if (slot == 260) playing.control.follow(true);
+    for (const std::uint64_t start : {110U, 210U, 360U}) {
+      if (slot == start) playing.control.play(0);
+    }
+    if (slot == 160) playing.control.pause();
+    if (slot == 410) playing.stop = true;
+    const auto newest = playing.control.newest(1);
+    if (slot % 50 == 0 && !newest.empty()) on_hand.emplace_back(slot, newest[0].place_m.y > 0.5);
+  };
+  playing.run(sensation);
+  const std::vector<std::pair<std::uint64_t, bool>> expected{{50, true},   {100, false}, {150, false}, {200, false},
+                                                             {250, false}, {300, true},  {350, false}, {400, false}};
+  EXPECT_EQ(on_hand, expected);
 }
 
 TEST(SensationRun, AHandTurnsItOrLeavesItUpright) {

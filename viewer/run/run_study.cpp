@@ -53,13 +53,7 @@ study::StudyPlan plan_to_run(const setup::StudyRunOptions& options, const LiveSe
 }
 
 study::EarLevel level_of(study::StudyPlan plan, const StudyShapes& shapes, const setup::StudyRunOptions& options) {
-  std::vector<Box> objects;
-  for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
-    objects.push_back(shapes.shapes[i].box);
-    plan.shapes[i].intensity = shapes.shapes[i].least.intensity;
-    plan.shapes[i].is_spring = shapes.shapes[i].least.is_spring;
-    plan.shapes[i].pressure_pa = shapes.shapes[i].least.pressure_pa;
-  }
+  const std::vector<Box> objects = take_shapes(plan, shapes);
   std::optional<array::Layout> placed;
   if (!options.rig.empty() && sensing::load_rig(options.rig).array)
     placed = setup::load_posed_rig({.rig = options.rig, .layout = ""}).layout;

@@ -38,6 +38,15 @@ StudyShapes load_shapes(const study::StudyPlan& plan) {
   return all;
 }
 
+std::vector<Box> take_shapes(study::StudyPlan& plan, const StudyShapes& shapes) {
+  std::vector<Box> boxes;
+  for (std::size_t shape = 0; shape < shapes.shapes.size(); ++shape) {
+    setup::set_least(plan.shapes[shape], shapes.shapes[shape].least);
+    boxes.push_back(shapes.shapes[shape].box);
+  }
+  return boxes;
+}
+
 std::string solid_name(const study::StudyPlan& plan, std::size_t shape) {
   return fmt::format("{} {}", shape, plan.shapes[shape].name);
 }

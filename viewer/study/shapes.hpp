@@ -30,6 +30,8 @@ struct StudyShapes {
 
 /// Reads the models. Throws as geometry::load_gltf does.
 StudyShapes load_shapes(const study::StudyPlan& plan);
+/// Takes them into the plan as setup::try_files does, and returns their boxes.
+std::vector<Box> take_shapes(study::StudyPlan& plan, const StudyShapes& shapes);
 
 /// The name of the solids of a shape in the scene: "2 pyramid" for the third shape.
 std::string solid_name(const study::StudyPlan& plan, std::size_t shape);

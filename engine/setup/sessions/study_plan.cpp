@@ -77,16 +77,19 @@ LeastSound least_sound(const geometry::Scene& scene, double deep_m) {
   return least;
 }
 
+void set_least(study::PlanShape& shape, const LeastSound& least) {
+  shape.intensity = least.intensity;
+  shape.is_spring = least.is_spring;
+  shape.pressure_pa = least.pressure_pa;
+}
+
 std::vector<Box> try_files(study::StudyPlan& plan) {
   std::vector<Box> boxes;
   for (study::PlanShape& shape : plan.shapes) {
     const Activity work("reading " + shape.model);
     const geometry::Scene scene = geometry::load_gltf(shape.model);
     (void)solids_of(scene);
-    const LeastSound least = least_sound(scene, plan.run.deep_m);
-    shape.intensity = least.intensity;
-    shape.is_spring = least.is_spring;
-    shape.pressure_pa = least.pressure_pa;
+    set_least(shape, least_sound(scene, plan.run.deep_m));
     boxes.push_back(geometry::box_of(scene));
   }
   if (plan.run.masking != "white" && plan.run.masking != "off") check_wav(plan.run.masking);

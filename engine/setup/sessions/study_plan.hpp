@@ -24,6 +24,7 @@ struct LeastSound {
 };
 /// Depths are those from 0 to `deep_m`.
 LeastSound least_sound(const geometry::Scene& scene, double deep_m);
+void set_least(study::PlanShape& shape, const LeastSound& least);
 
 /// Reads the models and the masking sound of a plan, as a sitting will. Fills the shapes' intensities. Returns the box
 /// around each shape's model (geometry::box_of). Throws bad_input for a model that is no scene with a solid, and for a

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iterator>
@@ -83,6 +84,37 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   EXPECT_TRUE(heat.look(played.now, picture).skin);
   EXPECT_FALSE(picture.skin) << "nobody touches";
   EXPECT_TRUE(picture.bars.empty());
+}
+
+/// What is not computed again.
+TEST(Sounding, IsAlikeOnlyIfAllThatSoundsIs) {
+  const Played played;
+  array::Schedule before = *played.now.schedule;
+  before.add_voice() = played.now.schedule->voices[0];
+  const auto changed = [&](const std::function<void(array::Schedule&, array::Voice&)>& change) {
+    array::Schedule after = before;
+    change(after, after.voices[1]);
+    return after;
+  };
+  using array::Schedule;
+  using array::Voice;
+  const std::pair<const char*, std::function<void(Schedule&, Voice&)>> changes[]{
+      {"slots", [](Schedule& s, Voice&) { s.slot_s *= 2; }},
+      {"fingers", [](Schedule& s, Voice&) { s.voice_count = 1; }},
+      {"order", [](Schedule&, Voice& v) { std::swap(v.order[0], v.order[1]); }},
+      {"foci per slot", [](Schedule&, Voice& v) { v.foci_per_slot = 4; }},
+      {"dwell", [](Schedule&, Voice& v) { v.dwell_s *= 2; }},
+      {"modulation", [](Schedule&, Voice& v) { v.modulation_hz = 200; }},
+      {"kind of modulation", [](Schedule&, Voice& v) { v.modulation = array::Modulation::amplitude_sine; }},
+      {"gain", [](Schedule&, Voice& v) { v.gain = 0.9; }},
+      {"requested pressure", [](Schedule&, Voice& v) { v.pressure_pa = 1e3; }},
+      {"a focus more", [](Schedule&, Voice& v) { v.foci.push_back(v.foci[0]); }},
+      {"a focus elsewhere", [](Schedule&, Voice& v) { v.foci[3].x += 1.01 * alike_m; }}};
+  for (const auto& [what, change] : changes)
+    EXPECT_FALSE(alike(before, changed(change))) << what;
+  EXPECT_TRUE(alike(before, before));
+  EXPECT_TRUE(alike(before, changed([](Schedule&, Voice& v) { v.foci[3].x += 0.99 * alike_m; })));
+  EXPECT_TRUE(alike(before, changed([](Schedule& s, Voice& v) { s.time_s = v.id = 7; }))) << "a finger is as another";
 }
 
 TEST(Heat, ShowsTheRatesOfAClassOfAfferents) {

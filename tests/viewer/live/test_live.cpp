@@ -21,6 +21,7 @@
 #include "session/threads.hpp"
 #include "support/begins.hpp"
 #include "support/files.hpp"
+#include "support/shapes.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 #include "viewer/live/live_picture.hpp"
@@ -181,6 +182,26 @@ TEST(Live, ASolidThatIsMovedIsFeltWhereItIs) {
   const std::vector<geometry::Solid> solids = geometry::make_solids(geometry::load_gltf(folder / "moved.glb"));
   ASSERT_EQ(solids.size(), 1u);
   EXPECT_NEAR(solids[0].bounds.high.y, -0.1, 1e-7);
+}
+
+TEST(Live, PartsOfAMovedSolidAreWrittenWhereItIs) {
+  const geometry::Mesh box = test::box(Vec3(0), Vec3(0.01));
+  LiveScene scene;
+  scene.solid_names = {"one of two parts", "whole", "one of three"};
+  std::vector<std::uint32_t> solids{0, 0, 1, 2, 2, 2};
+  for (const std::uint32_t solid : solids) {
+    scene.meshes.push_back({scene.solid_names[solid], box, {}, {}, {}});
+    scene.picture.solids.push_back({.name = scene.solid_names[solid], .mesh = box, .solid = solid});
+  }
+  std::vector<Transform> poses;
+  for (const double y : {-0.1, 0.2, 0.3})
+    poses.push_back(glm::translate(Transform(1.0), Vec3(0, y, 0)));
+  const std::vector<geometry::SceneMesh> moved = meshes_of(scene, poses);
+  ASSERT_EQ(moved.size(), solids.size());
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    EXPECT_NEAR(geometry::bounds(moved[i].mesh).low.y, poses[solids[i]][3].y, 1e-12) << "mesh " << i;
+  poses.pop_back();
+  EXPECT_EQ(geometry::bounds(meshes_of(scene, poses).back().mesh).low.y, 0) << "a solid that nobody moved";
 }
 
 TEST(Live, RecordsWhileItRunsAndToItsEnd) {

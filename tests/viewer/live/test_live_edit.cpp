@@ -68,6 +68,12 @@ TEST(LiveEdit, EveryChangeChangesValuesAndCommand) {
            {"a flag of the command", line, set("--quiet", ""), before + " --quiet", true},
            {"a word of the command", line, set("--stats", "json"),
             "a.glb --gltf-scene 1 --noise-free --stats json --delta 2mm", true},
+           {"a finger that the pointer moves is the viewer's own", line, set("--source", "mouse"),
+            "a.glb --gltf-scene 1 --source synthetic --noise-free --delta 2mm"},
+           {"and so with a mesh", line, set("--source", "mouse:thumb.ply"),
+            "a.glb --gltf-scene 1 --source synthetic:thumb.ply --noise-free --delta 2mm"},
+           {"a source whose name begins alike", line, set("--source", "mouses:thumb.ply"),
+            "a.glb --gltf-scene 1 --source mouses:thumb.ply --noise-free --delta 2mm"},
            {"a name with a space", {{"--scene", {"a b.glb"}}}, set("--every-frame", ""), "'a b.glb' --every-frame"},
        }) {
     SCOPED_TRACE(one.what);

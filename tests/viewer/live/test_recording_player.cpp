@@ -90,5 +90,22 @@ TEST(RecordingPlayer, TimesAndNumbersGoOnWhereverItIs) {
   EXPECT_FALSE(source->next(set, 5)) << "the end";
 }
 
+TEST(RecordingPlayer, WithoutALoopItPlaysToItsLastFrameFromWhereverItIs) {
+  RecordingPlayer player;
+  const auto source = open(player, "viewer-player-once");
+  Playback play = *player.now();
+  play.loop = false;
+  play.speed = 100;
+  player.play(play);
+  sensing::FrameSet set;
+  for (std::uint64_t from = 0; from < frames; ++from) {
+    player.go_to(from);
+    for (std::uint64_t i = from; i < frames; ++i)
+      EXPECT_EQ(next(*source), i + 1) << "from " << from;
+    EXPECT_EQ(player.now()->frame, frames - 1);
+    EXPECT_FALSE(source->next(set, 5)) << "the end";
+  }
+}
+
 }  // namespace
 }  // namespace palpa::viewer

@@ -26,7 +26,10 @@ class RunControls : public testing::Test {
  protected:
   RunControls() {
     LiveSession::Kinds kinds;
-    kinds.links.push_back(test::heard_link(heard_));
+    for (const char* name : {"heard", "other"}) {
+      kinds.links.push_back(test::heard_link(heard_));
+      kinds.links.back().name = name;
+    }
     run_ = std::make_unique<RunControl>(std::move(kinds), stop_, [] {});
   }
   static setup::LiveOptions broken() { return live_options({{"--scene", {"/nowhere.glb"}}}); }
@@ -138,11 +141,11 @@ TEST_F(RunControls, WhatIsSwitchedOffStaysSoUntilItIsStarted) {
 }
 
 /// How often a board's run says that it plays at full amplitude.
-std::size_t told_of(const std::string& messages) {
-  return test::occurrences(messages, "--link heard: plays at full amplitude");
+std::size_t told_of(const std::string& messages, const std::string& link = "heard") {
+  return test::occurrences(messages, "--link " + link + ": plays at full amplitude");
 }
 
-TEST_F(RunControls, ABoardAtFullAmplitudeIsToldOnce) {
+TEST_F(RunControls, EachBoardAtFullAmplitudeIsToldOnce) {
   heard_->board = true;
   const auto runs = [&](const setup::LiveOptions& options) {
     return test::stderr_of([&] {
@@ -157,6 +160,10 @@ TEST_F(RunControls, ABoardAtFullAmplitudeIsToldOnce) {
   EXPECT_EQ(told_of(test::stderr_of([&] { goes({{Act::begin, loading}, {Act::wait, failed}}); })), 0u);
   EXPECT_EQ(told_of(runs(test::heard_options())), 1u) << "the run that failed did not say so";
   EXPECT_EQ(told_of(runs(test::heard_options())), 0u) << "its user knows";
+  setup::LiveOptions other = test::heard_options();
+  other.link = "other";
+  EXPECT_EQ(told_of(runs(other), "other"), 1u) << "these boards have not sounded yet";
+  EXPECT_EQ(told_of(runs(other), "other"), 0u);
 }
 
 TEST_F(RunControls, SwitchedOffBeforeOrAfterItsRunItBeginsNothing) {

@@ -48,6 +48,43 @@ TEST(Interact, ReadsEveryVerb) {
   EXPECT_EQ(steps[13].event.key, key_of('7'));
 }
 
+TEST(Interact, ADragOrAClickLetsGoOfWhatItPresses) {
+  using Kind = WindowEvent::Kind;
+  struct Case {
+    const char* line;
+    Button button;
+    bool shift, ctrl;
+    double from, to;
+  };
+  for (const Case& one : {Case{"drag 10 20 30 40", Button::left, false, false, 10, 30},
+                          {"drag 10 20 30 40 middle", Button::middle, false, false, 10, 30},
+                          {"drag 10 20 30 40 right", Button::right, false, false, 10, 30},
+                          {"drag 10 20 30 40 right shift", Button::right, true, false, 10, 30},
+                          {"drag 10 20 30 40 middle ctrl", Button::middle, false, true, 10, 30},
+                          {"click 10 20", Button::left, false, false, 10, 10}}) {
+    SCOPED_TRACE(one.line);
+    std::vector<WindowEvent> clicks;
+    for (const Interaction& step : parse_interactions(one.line, "log")) {
+      if (step.kind != Interaction::Kind::event) continue;
+      if (step.event.kind != Kind::move) {
+        clicks.push_back(step.event);
+      } else if (clicks.size() == 1) {
+        EXPECT_EQ(step.event.shift, one.shift);
+        EXPECT_EQ(step.event.ctrl, one.ctrl);
+      }
+    }
+    ASSERT_EQ(clicks.size(), 2u);
+    EXPECT_EQ(clicks[0].kind, Kind::press);
+    EXPECT_EQ(clicks[1].kind, Kind::release);
+    for (const WindowEvent& click : clicks)
+      EXPECT_EQ(click.button, one.button);
+    EXPECT_EQ(clicks[0].shift, one.shift);
+    EXPECT_EQ(clicks[0].ctrl, one.ctrl);
+    EXPECT_EQ(clicks[0].x, one.from);
+    EXPECT_EQ(clicks[1].x, one.to);
+  }
+}
+
 TEST(Interact, RefusesWhatItDoesNotUnderstandWithItsLine) {
   for (const char* wrong : {"jump 1 2", "move 1", "move 1 x", "press up", "key nonsense", "draw 1.5", "draw 0",
                             "wait -1", "resize 0 5", "type", "shot", "move 1 2 3", "press left alt"}) {

@@ -306,7 +306,7 @@ TEST_F(Viewer, ComparesWithAReference) {
   EXPECT_EQ(compared({}, {"--threshold", "0"}).exit_code, 0);
   expect_failure(compared({"--dark"}, {}), 1, "other.png");
   EXPECT_EQ(compared({"--dark"}, {"--threshold", "0.99"}).exit_code, 0);
-  expect_failure(compared({}, {}, "300x200"), 4, "300x200");
+  expect_failure(compared({}, {}, "300x200"), 4, "is 300x200 pixels, but the picture is 320x200: give --size 300x200");
 }
 
 TEST_F(Viewer, ReportsAsJson) {

@@ -7,6 +7,7 @@
 #include "geometry/solid.hpp"
 #include "setup/sessions/load.hpp"
 #include "sitting_bench.hpp"
+#include "support/shapes.hpp"
 #include "touch/contacts/prepared_solids.hpp"
 #include "viewer/study/shapes.hpp"
 
@@ -40,6 +41,43 @@ TEST_F(Shapes, OneAtATimeIsWithinReach) {
     }
     EXPECT_NEAR(shapes_.shapes[shape].box.high.y, 0, 1e-6) << "the objects' top";
   }
+}
+
+/// The level at the ears is predicted from both.
+TEST(StudyShapes, AreTakenAsThePlanIsTried) {
+  const std::filesystem::path folder = test::scratch_folder("study-unlike-shapes");
+  std::string text = "[[method]]\nname = \"single-focus\"\nlayout = \"openmpd\"\n[study]\nparticipants = 2\n";
+  const auto add = [&](const std::string& name, const geometry::Haptics& haptics, const Vec3& low, const Vec3& high) {
+    const geometry::SceneMesh mesh{name, test::box(low, high), haptics, {}, {}};
+    geometry::write_glb(folder / (name + ".glb"), {&mesh, 1});
+    text += "[[shape]]\nname = \"" + name + "\"\nmodel = \"" + (folder / (name + ".glb")).string() + "\"\n";
+  };
+  geometry::Haptics quiet, spring, asking;
+  quiet.intensity = 0.4;
+  spring.stiffness = {{0, 0}, {0.01, 0.3}};
+  asking.pressure_pa = 900;
+  add("plain", {}, {-0.02, -0.04, -0.02}, {0.02, 0, 0.02});
+  add("quiet", quiet, {0, -0.02, 0}, {0.02, 0.01, 0.03});
+  add("spring", spring, {-0.03, -0.03, -0.01}, {-0.01, 0, 0.01});
+  add("asking", asking, {-0.01, -0.02, -0.04}, {0.01, 0.02, -0.02});
+  test::write_text(folder / "plan.toml", text);
+  study::StudyPlan taken = study::read_plan(folder / "plan.toml"), tried = taken;
+  const std::vector<Box> boxes = take_shapes(taken, load_shapes(taken)), expected = setup::try_files(tried);
+  ASSERT_EQ(boxes.size(), 4u);
+  ASSERT_EQ(expected.size(), 4u);
+  for (std::size_t shape = 0; shape < 4; ++shape) {
+    SCOPED_TRACE(taken.shapes[shape].name);
+    EXPECT_EQ(boxes[shape].low, expected[shape].low);
+    EXPECT_EQ(boxes[shape].high, expected[shape].high);
+    EXPECT_EQ(taken.shapes[shape].intensity, tried.shapes[shape].intensity);
+    EXPECT_EQ(taken.shapes[shape].is_spring, tried.shapes[shape].is_spring);
+    EXPECT_EQ(taken.shapes[shape].pressure_pa, tried.shapes[shape].pressure_pa);
+    for (std::size_t other = 0; other < shape; ++other)
+      EXPECT_NE(expected[shape].low, expected[other].low) << "unlike";
+  }
+  EXPECT_EQ(tried.shapes[1].intensity, 0.4);
+  EXPECT_TRUE(tried.shapes[2].is_spring);
+  EXPECT_EQ(tried.shapes[3].pressure_pa, 900);
 }
 
 TEST_F(Shapes, TheLowestPointIsOverTheObject) {
