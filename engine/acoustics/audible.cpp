@@ -31,15 +31,20 @@ struct Resonator {
     const std::uint32_t amplitude_steps = jumps ? 1 : changes.amplitude_steps;
     Complex direction = std::polar(1.0, from), drive;
     const Complex turn = std::polar(1.0, way / phase_steps);
-    for (std::size_t period = 0; period < power.size(); ++period) {
-      if (period % changes.step_periods == 0) {
-        const std::size_t step = 1 + period / changes.step_periods;
-        if (step <= phase_steps) direction *= turn;
-        drive = direction * std::lerp(begin, end, std::min(1.0, static_cast<double>(step) / amplitude_steps));
+    std::size_t period = 0;
+    const auto play_until = [&](std::size_t stop) {
+      for (; period < stop; ++period) {
+        out = drive + (out - drive) * rest;
+        power[period] += std::norm(out);
       }
-      out = drive + (out - drive) * rest;
-      power[period] += std::norm(out);
+    };
+    const std::size_t steps = std::max(phase_steps, amplitude_steps);
+    for (std::size_t step = 1; step <= steps && period < power.size(); ++step) {
+      if (step <= phase_steps) direction *= turn;
+      drive = direction * std::lerp(begin, end, std::min(1.0, static_cast<double>(step) / amplitude_steps));
+      play_until(std::min(period + changes.step_periods, power.size()));
     }
+    play_until(power.size());  // after the last step, the drive stays
     amplitude = end;
     phase = from + way;
   }

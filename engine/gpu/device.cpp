@@ -67,28 +67,37 @@ std::vector<VkPhysicalDevice> physical_devices(VkInstance instance) {
   return devices;
 }
 
-/// `enumerate`: gets the count and the place of the extensions, as Vulkan's functions do.
-template <typename Enumerate>
-bool lists_extension(const Enumerate& enumerate, const char* name) {
-  std::uint32_t count = 0;
-  enumerate(&count, nullptr);
-  std::vector<VkExtensionProperties> extensions(count);
-  enumerate(&count, extensions.data());
+bool lists(std::span<const VkExtensionProperties> extensions, const char* name) {
   return std::any_of(extensions.begin(), extensions.end(),
                      [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-bool has_instance_extension(const char* name) {
-  return lists_extension([](auto... to) { vkEnumerateInstanceExtensionProperties(nullptr, to...); }, name);
+bool lists(std::span<const char* const> names, const char* name) {
+  return std::any_of(names.begin(), names.end(), [&](const char* one) { return std::strcmp(one, name) == 0; });
+}
+
+/// Those of the loader and its drivers. At each call, the loader loads all drivers and unloads them again, so there
+/// is one call, with room for what loaders usually have.
+std::vector<VkExtensionProperties> instance_extensions() {
+  std::vector<VkExtensionProperties> extensions(64);
+  for (;;) {
+    auto count = static_cast<std::uint32_t>(extensions.size());
+    const VkResult result = vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data());
+    if (result == VK_INCOMPLETE) {
+      extensions.resize(2 * extensions.size());
+      continue;
+    }
+    extensions.resize(result == VK_SUCCESS ? count : 0);
+    return extensions;
+  }
 }
 
 /// The extensions that every instance gets, in addition to the requested ones, if the loader knows them: see
 /// load_functions.
 std::vector<const char*> with_usual_extensions(std::vector<const char*> wanted) {
+  const std::vector<VkExtensionProperties> known = instance_extensions();
   for (const char* name : {VK_KHR_SURFACE_EXTENSION_NAME, VK_EXT_DEBUG_UTILS_EXTENSION_NAME}) {
-    const bool there =
-        std::any_of(wanted.begin(), wanted.end(), [&](const char* w) { return std::strcmp(w, name) == 0; });
-    if (!there && has_instance_extension(name)) wanted.push_back(name);
+    if (!lists(wanted, name) && lists(known, name)) wanted.push_back(name);
   }
   return wanted;
 }
@@ -102,7 +111,11 @@ void load_functions(VkInstance first) {
 }
 
 bool has_extension(VkPhysicalDevice physical, const char* name) {
-  return lists_extension([&](auto... to) { vkEnumerateDeviceExtensionProperties(physical, nullptr, to...); }, name);
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+  return lists(extensions, name);
 }
 
 struct QueueFamily {
@@ -338,7 +351,7 @@ void Device::create_instance(const DeviceOptions& options) {
     enables = {VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   }
-  names_ = has_instance_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);  // they also help frame capture tools
+  names_ = lists(extensions, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);  // they also help frame capture tools
   VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
   features.enabledValidationFeatureCount = static_cast<std::uint32_t>(enables.size());
   features.pEnabledValidationFeatures = enables.data();

@@ -120,6 +120,33 @@ void fill_rays(const Camera& camera, CameraTable& table, std::span<glm::vec2> ra
   }
 }
 
+/// The same rays, tiles and reach for a pinhole camera that ignores no pixel, with a column's work done once for all
+/// rows. Rays are in the order of columns and rows, which rounding keeps, so a tile's first and last one bound it.
+void fill_pinhole_rays(CameraTable& table, std::span<glm::vec2> rays) {
+  if (rays.empty()) return;
+  const auto x_of = [&](std::uint32_t u) { return (static_cast<float>(u) - table.cx) * table.per_fx; };
+  const auto y_of = [&](std::uint32_t v) { return (static_cast<float>(v) - table.cy) * table.per_fy; };
+  std::vector<float> x(table.width);
+  for (std::uint32_t u = 0; u < table.width; ++u)
+    x[u] = x_of(u);
+  for (std::uint32_t v = 0; v < table.height; ++v) {
+    const float y = y_of(v);
+    glm::vec2* const row = rays.data() + std::size_t{v} * table.pitch;
+    for (std::uint32_t u = 0; u < table.width; ++u)
+      row[u] = glm::vec2(x[u], y);
+  }
+  const auto farthest = [](float first, float last) { return std::max(first * first, last * last); };
+  table.reach = farthest(x.front(), x.back()) + farthest(y_of(0), y_of(table.height - 1));
+  for (std::size_t i = 0; i < table.tiles.size(); ++i) {
+    const auto u = static_cast<std::uint32_t>(i % table.tiles_x) * tile_pixels;
+    const auto v = static_cast<std::uint32_t>(i / table.tiles_x) * tile_pixels;
+    const glm::vec2 first(x_of(u), y_of(v)),
+        last(x_of(std::min(u + tile_pixels, table.width) - 1), y_of(std::min(v + tile_pixels, table.height) - 1));
+    table.tiles[i].low = glm::min(table.tiles[i].low, glm::min(first, last));
+    table.tiles[i].high = glm::max(table.tiles[i].high, glm::max(first, last));
+  }
+}
+
 std::vector<RayBounds> bound_rows(const CameraTable& table) {
   std::vector<RayBounds> rows(table.tiles_y);
   for (std::size_t i = 0; i < table.tiles.size(); ++i) {
@@ -176,8 +203,13 @@ RayTables make_rays(std::span<const Camera> cameras) {
     table.tiles_x = round_up(table.width, tile_pixels) / tile_pixels;
     table.tiles_y = round_up(table.height, tile_pixels) / tile_pixels;
     table.tiles.assign(std::size_t{table.tiles_x} * table.tiles_y, {});
-    fill_rays(cameras[i], table,
-              std::span(tables.rays).subspan(table.first_pixel, std::size_t{table.pitch} * table.height));
+    const std::span<glm::vec2> rays =
+        std::span(tables.rays).subspan(table.first_pixel, std::size_t{table.pitch} * table.height);
+    if (table.pinhole) {
+      fill_pinhole_rays(table, rays);
+    } else {
+      fill_rays(cameras[i], table, rays);
+    }
     table.tile_rows = bound_rows(table);
     if (!table.background) continue;
     for (std::uint32_t v = 0; v < table.height; ++v) {

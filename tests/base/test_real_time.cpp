@@ -11,13 +11,14 @@
 #include <algorithm>
 #include <csignal>
 #include <ctime>
-#include <fstream>
 #include <functional>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "support/locked_memory.hpp"
 
 namespace palpa {
 namespace {
@@ -83,7 +84,7 @@ TEST(RealTime, ATurnThatIsTooLongEnds) {
                   while (scheduling_of(0) == Scheduling::real_time)
                     if (processor_s() > begin_s + 5) return 2;
                   if (processor_s() < begin_s + 0.05) return 3;
-                  while (processor_s() < begin_s + 0.5) {
+                  while (processor_s() < begin_s + 0.3) {  // longer than the hard limit
                   }
                 }
                 return 0;
@@ -112,17 +113,6 @@ TEST(RealTime, IsAskedForAtTheServiceOnlyIfTheSystemRefuses) {
   EXPECT_EQ(asked(false), when_allowed);
 }
 
-/// Reads a number of kilobytes.
-long locked_kib() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word && word != "VmLck:") {
-  }
-  long kib = -1;
-  status >> kib;
-  return kib;
-}
-
 /// What a process is like, as far as threads in real time may change it.
 struct ProcessState {
   rlim_t soft = 0, hard = 0;
@@ -140,8 +130,8 @@ ProcessState process_state() {
   sigaction(SIGXCPU, nullptr, &action);
   sigset_t blocked;
   pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
-  return {limit.rlim_cur,   limit.rlim_max, action.sa_handler, sigismember(&blocked, SIGXCPU) == 1,
-          scheduling_of(0), locked_kib()};
+  return {limit.rlim_cur,   limit.rlim_max,    action.sa_handler, sigismember(&blocked, SIGXCPU) == 1,
+          scheduling_of(0), test::locked_kib()};
 }
 
 volatile std::sig_atomic_t signals_of_the_host = 0;
@@ -277,7 +267,7 @@ TEST(RealTime, IsNotAskedForWithALimitThatLeavesNoTime) {
                 getrlimit(RLIMIT_RTTIME, &now);
                 if (enough && now.rlim_cur != us / 2) return 3;
                 const double begin_s = processor_s();
-                while (processor_s() < begin_s + 0.2) {  // longer than any of them
+                while (processor_s() < begin_s + 0.1) {  // longer than any of them
                 }
                 return 0;
               }),
@@ -290,18 +280,18 @@ TEST(KeptInMemory, UnlocksOnlyWhatItLocked) {
   EXPECT_EQ(in_child([] {
               const std::vector<char> own(1 << 16);
               if (!KeptInMemory().holds()) return 7;
-              if (locked_kib() != 0) return 1;
+              if (test::locked_kib() != 0) return 1;
               KeptInMemory first(KeptInMemory::Pages::all);
-              if (locked_kib() == 0) return 2;
+              if (test::locked_kib() == 0) return 2;
               {
                 const KeptInMemory moved(std::move(first));
                 if (first.holds() || !moved.holds()) return 3;  // NOLINT(bugprone-use-after-move)
               }
-              if (locked_kib() != 0) return 4;
+              if (test::locked_kib() != 0) return 4;
               if (mlock(own.data(), own.size()) != 0) return 7;
-              const long before = locked_kib();
+              const long before = test::locked_kib();
               { const KeptInMemory none; }
-              return before > 0 && locked_kib() == before ? 0 : 5;
+              return before > 0 && test::locked_kib() == before ? 0 : 5;
             }) % 7,
             0);  // 7: this machine locks nothing
 }

@@ -110,8 +110,8 @@ TEST(Doctor, LeavesTheSchedulingOfItsProcessAsItWasAndSoDoesARun) {
   for (int i = 0; i < 2; ++i) {
     palpa_here({"doctor", "--quiet"});
     EXPECT_EQ(what_scheduling_changes(), before);
-    palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--link", "null",
-                "--backend", "cpu", "--frames", "3", "--quiet"});
+    palpa_here({"run", "--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--link",
+                "record:/dev/null", "--backend", "cpu", "--frames", "3", "--quiet"});
     EXPECT_EQ(what_scheduling_changes(), before);
   }
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,22 @@ namespace {
 
 #define NEEDS_VHACD() \
   if (!built_with("V-HACD")) GTEST_SKIP() << "skipped: built without V-HACD"
+
+TEST(Nearest, IsTheSameAsByEachTriangle) {
+  const Mesh mesh = test::torus(0.05, 0.02, 24);
+  const NearestTriangle nearest(mesh);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> place(-0.1, 0.1);
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 p(place(random), place(random), place(random));
+    double least2 = 1e300;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const Vec3 off = closest_on_triangle(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]], p) - p;
+      least2 = std::min(least2, glm::dot(off, off));
+    }
+    ASSERT_EQ(nearest.distance(p), std::sqrt(least2)) << "the same bits";
+  }
+}
 
 TEST(Nearest, IsTheLeastOverAllTriangles) {
   const Mesh mesh = test::torus(0.05, 0.02, 24);

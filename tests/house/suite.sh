@@ -13,6 +13,7 @@ preset=$1
 shift
 export PALPA_BACKEND=gpu  # also where the only device is lavapipe
 export LP_NUM_THREADS=${LP_NUM_THREADS:-1} LP_NATIVE_VECTOR_WIDTH=${LP_NATIVE_VECTOR_WIDTH:-256}
+export OPENBLAS_NUM_THREADS=1  # those of numpy: further threads look for work in a loop while they have none
 cache=$PWD/build/cache/$LP_NATIVE_VECTOR_WIDTH
 mkdir -p "$cache"
 export MESA_SHADER_CACHE_DIR=$cache/mesa XDG_CACHE_HOME=$cache

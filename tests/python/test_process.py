@@ -147,7 +147,7 @@ def handled():
     of_libc = 0x180000000  # 32 and 33, which it takes for itself with the first thread
     return [int(line.split()[1], 16) & ~of_libc for line in open("/proc/self/status") if line.startswith(("SigCgt", "SigIgn", "SigBlk"))]
 def run():
-    palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", link="null", backend="cpu").run(frames=3)
+    palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", link="record:/dev/null", backend="cpu").run(frames=3)
 before = state()
 for _ in range(2):
     run()

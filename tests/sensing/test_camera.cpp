@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <span>
 
 #include "pixel_rays.hpp"
 #include "random_rig.hpp"
@@ -88,6 +91,27 @@ TEST(Camera, DeprojectionInvertsProjection) {
     const Vec2 pixel = project(camera, point);
     const Vec3 world = test::deproject(camera, pixel.x, pixel.y, depth);
     EXPECT_LT(glm::length(world - transform_point(camera.T_world_camera, point)), 1e-8 * (1 + z));
+  }
+}
+
+TEST(Camera, APinholesTablesAreThoseOfACameraWithARegionThatIsItsImage) {
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 30; ++i) {
+    std::array<Camera, 2> cameras{test::random_camera(random)};
+    see_all(cameras[0]);
+    cameras[0].distortion.fill(0);
+    cameras[1] = cameras[0];
+    cameras[1].roi = PixelBox{0, 0, cameras[0].width, cameras[0].height};  // each pixel is looked at
+    const RayTables tables = make_rays(cameras);
+    const CameraTable &one = tables.cameras[0], &other = tables.cameras[1];
+    ASSERT_TRUE(one.pinhole && !other.pinhole);
+    EXPECT_EQ(one.reach, other.reach);
+    const auto rays = std::span(tables.rays);
+    const std::size_t pixels = std::size_t{one.pitch} * one.height;
+    EXPECT_TRUE(std::ranges::equal(rays.subspan(one.first_pixel, pixels), rays.subspan(other.first_pixel, pixels)));
+    const auto same = [](const RayBounds& a, const RayBounds& b) { return a.low == b.low && a.high == b.high; };
+    EXPECT_TRUE(std::ranges::equal(one.tiles, other.tiles, same));
+    EXPECT_TRUE(std::ranges::equal(one.tile_rows, other.tile_rows, same));
   }
 }
 

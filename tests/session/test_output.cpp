@@ -6,10 +6,13 @@
 #include <utility>
 
 #include "array/drive.hpp"
+#include "base/system/real_time.hpp"
 #include "fakes.hpp"
 #include "session/loop/output.hpp"
 #include "session/previews/ear_sound.hpp"
 #include "stepped_clock.hpp"
+#include "support/instrumented.hpp"
+#include "support/locked_memory.hpp"
 #include "support/watched_heap.hpp"
 
 namespace palpa::session {
@@ -204,6 +207,32 @@ TEST(Output, SendsSilenceLastWhenStopped) {
   EXPECT_TRUE(link.finished);
   EXPECT_TRUE(std::is_sorted(link.slots.begin(), link.slots.end()));
   EXPECT_EQ(std::adjacent_find(link.slots.begin(), link.slots.end()), link.slots.end()) << "a slot was sent twice";
+}
+
+TEST(Output, KeepsTheProcessInMemoryForALinkThatPlaysInRealTime) {
+  if (test::instrumented()) GTEST_SKIP() << "skipped: sanitizers lock no memory";
+  if (!KeptInMemory().holds()) GTEST_SKIP() << "skipped: this machine allows no locked memory (ulimit -l)";
+  struct Into : test::SpyLink {
+    bool player = false;
+    bool plays() const override { return player; }
+  };
+  for (const bool real : {false, true}) {
+    for (const bool plays : {false, true}) {
+      Playing out;
+      Into link;
+      link.player = plays;
+      std::atomic<bool> stop{false};
+      test::Watcher watcher;
+      long kib = -1;
+      watcher.on_sent = [&](bool, const HandOver&) {
+        kib = test::locked_kib();
+        stop = true;
+      };
+      play(link, out.plans, out.setting, real ? real_clock() : out.clock, Ending{stop}, out.stats, watcher);
+      EXPECT_EQ(kib > 0, real && plays) << kib;
+      EXPECT_EQ(test::locked_kib(), 0) << "afterwards";
+    }
+  }
 }
 
 TEST(Output, TellsAPlanOnceAndFromWhenUntilWhen) {

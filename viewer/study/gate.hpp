@@ -152,6 +152,7 @@ class GateLink final : public session::Link {
   }
   bool plays_plans() const override { return link_->plays_plans(); }
   const array::Layout* boards() const override { return link_->boards(); }
+  bool plays() const override { return link_->plays(); }
   void finish() override;
   std::optional<session::Carried> carried() const override;
 

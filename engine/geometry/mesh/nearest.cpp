@@ -19,6 +19,17 @@ Vec3 closest_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   return length > 0 ? a + along * std::clamp(glm::dot(p - a, along) / length, 0.0, 1.0) : a;
 }
 
+/// Whether the triangle's box is farther from p than the square root of `far2`.
+bool is_beyond(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p, double far2) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double low = std::min(std::min(a[i], b[i]), c[i]), high = std::max(std::max(a[i], b[i]), c[i]);
+    const double out = std::max(std::max(low - p[i], p[i] - high), 0.0);
+    sum += out * out;
+  }
+  return sum > far2;
+}
+
 }  // namespace
 
 Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
@@ -47,6 +58,7 @@ double NearestTriangle::distance(const Vec3& point, double most) const {
 }
 
 std::optional<NearestTriangle::Found> NearestTriangle::find(const Vec3& point, double most) const {
+  constexpr double more_than_rounding = 1 + 1e-6;
   const auto nodes = tree_.nodes();
   double best = most * most;
   std::optional<Found> found;
@@ -61,8 +73,9 @@ std::optional<NearestTriangle::Found> NearestTriangle::find(const Vec3& point, d
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         const std::uint32_t triangle = tree_.order()[i];
         const glm::uvec3& t = mesh_->triangles[triangle];
-        const Vec3 at =
-            closest_on_triangle(mesh_->positions[t[0]], mesh_->positions[t[1]], mesh_->positions[t[2]], point);
+        const Vec3 &a = mesh_->positions[t[0]], &b = mesh_->positions[t[1]], &c = mesh_->positions[t[2]];
+        if (is_beyond(a, b, c, point, more_than_rounding * best)) continue;
+        const Vec3 at = closest_on_triangle(a, b, c, point);
         if (const double away = square(at - point); away < best) {
           best = away;
           found = {triangle, at, 0};

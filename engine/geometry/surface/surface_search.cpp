@@ -31,11 +31,15 @@ std::uint32_t SurfaceSearch::nearest(const glm::vec3& p, std::uint32_t guess, fl
     return std::max(geometry::distance2(nodes[node].box, world), across * across);
   };
   stack[depth++] = {0, 0.0};
-  const auto allowed = [&] { return std::sqrt(static_cast<double>(distance2)) + 4 * epsilon_; };
+  const auto square_allowed = [&] {
+    const double allowed = std::sqrt(static_cast<double>(distance2)) + 4 * epsilon_;
+    return allowed * allowed;
+  };
+  double allowed2 = square_allowed();
   while (depth > 0) {
     ++steps;
     const auto [index, apart2] = stack[--depth];
-    if (apart2 > allowed() * allowed()) continue;
+    if (apart2 > allowed2) continue;
     const Bvh::Node& node = nodes[index];
     if (node.second != 0) {
       const double first = apart2_of(index + 1), second = apart2_of(node.second);
@@ -51,6 +55,7 @@ std::uint32_t SurfaceSearch::nearest(const glm::vec3& p, std::uint32_t guess, fl
         best = t;
       }
     }
+    allowed2 = square_allowed();
   }
   return best;
 }
@@ -62,7 +67,9 @@ void SurfaceSearch::gather(const Contest& contest, const Corners& corners, std::
   std::size_t depth = 0;
   stack[depth++] = 0;
   std::array<float, 8> d, x, y, z;
+  std::array<Vec3, 8> world;
   for (std::size_t c = 0; c < 8; ++c) {
+    world[c] = Vec3(corners[c]) + centre_;
     x[c] = corners[c].x;
     y[c] = corners[c].y;
     z[c] = corners[c].z;
@@ -73,7 +80,7 @@ void SurfaceSearch::gather(const Contest& contest, const Corners& corners, std::
     const Bvh::Node& node = nodes[index];
     for (std::size_t c = 0; c < 8; ++c) {
       const float across = distance(slabs_[index], corners[c]);
-      const auto apart2 = static_cast<float>(geometry::distance2(node.box, Vec3(corners[c]) + centre_));
+      const auto apart2 = static_cast<float>(geometry::distance2(node.box, world[c]));
       d[c] = apart2 > across * across ? apart2 : across * across;
     }
     if (contest.beats(d)) continue;

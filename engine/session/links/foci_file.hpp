@@ -17,6 +17,7 @@ namespace palpa::session {
 class FociFile : public Link {
  public:
   void send(std::uint64_t, std::span<const array::TransducerDrive>) override {}
+  bool plays() const override { return false; }
   /// Moves the finished file into its place after success. Without this call, no file is created and an existing file
   /// stays. Throws failure() if the file cannot be written.
   virtual void commit() = 0;

@@ -19,6 +19,7 @@ class NullLink : public Link {
  public:
   void plan(const PlayedPlan&) override {}
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override { played_ += sounds(drive) ? 1 : 0; }
+  bool plays() const override { return false; }
   std::optional<Carried> carried() const override { return Carried{.completed = {.drives = played_}}; }
 
  private:

@@ -73,6 +73,10 @@ class Link {
   /// drives are passed on as they are. Must not change.
   virtual const array::Layout* boards() const { return nullptr; }
 
+  /// Whether drives are played when they arrive. The process is then kept in memory during a run (KeptInMemory). False:
+  /// they go nowhere, or into a file of results. Must not change.
+  virtual bool plays() const { return true; }
+
   /// Called after the last drive; flushes buffered data. Errors here are also reported.
   virtual void finish() {}
 

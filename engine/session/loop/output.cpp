@@ -78,7 +78,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   std::optional<KeptInMemory> kept;
   std::optional<RealTime> turns;
   if (clock.is_real()) {
-    kept.emplace();
+    if (link.plays()) kept.emplace();
     turns.emplace(output_priority, real_time_service());
   }
   const std::size_t transducers = setting.layout.transducers.size();

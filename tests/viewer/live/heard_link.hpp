@@ -43,6 +43,7 @@ class HeardLink final : public session::Link {
     ++heard_->opened;
   }
   const array::Layout* boards() const override { return layout_; }
+  bool plays() const override { return false; }
   void plan(const session::PlayedPlan&) override { ++heard_->plans; }
   void send(std::uint64_t, std::span<const array::TransducerDrive> drive) override {
     if (heard_->breaks) throw failure("heard: broken");

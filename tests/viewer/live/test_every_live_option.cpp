@@ -38,6 +38,7 @@ class ToldLink final : public session::Link {
     told_.text = fmt::format("{} {} {} {} {} {} {}\n", setting.layout.name, setting.slot_s, setting.foci_move,
                              setting.sound_speed_m_s, setting.board_files, setting.steps, setting.free_field);
   }
+  bool plays() const override { return false; }
   void plan(const session::PlayedPlan& plan) override {
     std::string text;
     for (std::uint32_t v = 0; v < plan.schedule.voice_count; ++v) {
