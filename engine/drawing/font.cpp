@@ -120,18 +120,25 @@ constexpr Drawing drawings[] = {
     {'~', "m 0.3 2.3 q 1.3 3.8 2.3 2.8 q 3.3 1.8 4.3 3.3"},
     {'^', "m 0.4 5 l 1.9 7 l 3.4 5"},
     {'`', "m 0.4 7 l 1.4 5.8"},
-    {0xb0, "a 1.3 6 1 1 90 450"},                                                                       // degree
-    {0xb5, "m 0.4 5 l 0.4 -2 m 0.4 2 A 2.2 2 1.8 2 180 360 m 4 5 l 4 0"},                               // micro
-    {0xb7, "m 0.6 2.8"},                                                                                // middle dot
-    {0xd7, "m 0.6 1.2 l 3.8 4.4 m 0.6 4.4 l 3.8 1.2"},                                                  // times
-    {0x3c0, "m 0.2 4.8 l 5 4.8 m 1.5 4.8 l 1.2 0 m 3.7 4.8 l 3.7 1 q 3.8 0 4.8 0.1"},                   // pi
-    {0x2013, "m 0.3 2.6 l 4 2.6"},                                                                      // en dash
-    {0x2212, "m 0.3 2.8 l 4.3 2.8"},                                                                    // minus
-    {0x2192, "m 0.3 2.8 l 5.3 2.8 m 3.6 4.5 l 5.3 2.8 l 3.6 1.1"},                                      // arrow
-    {0xdf, "m 0.4 0 l 0.4 5.4 A 2.1 5.4 1.7 1.6 180 -90 m 1.9 3.8 l 2.1 3.8 A 2.2 1.9 2 1.9 90 -120"},  // sharp s
-    {0xe6, "a 2.45 2.5 2.05 2.5 90 450 m 4.5 2.5 l 8.6 2.5 A 6.55 2.5 2.05 2.5 0 318"},                 // ae
-    {0xf8, "a 2.45 2.5 2.05 2.5 90 450 m 0.4 -0.2 l 4.5 5.2"},                                          // o with stroke
-    {0xd8, "a 3.6 3.5 3.2 3.5 90 450 m 0.7 -0.3 l 6.5 7.3"},                                            // O with stroke
+    {0xb0, "a 1.3 6 1 1 90 450"},                                                                        // degree
+    {0xb5, "m 0.4 5 l 0.4 -2 m 0.4 2 A 2.2 2 1.8 2 180 360 m 4 5 l 4 0"},                                // micro
+    {0xb7, "m 0.6 2.8"},                                                                                 // middle dot
+    {0xd7, "m 0.6 1.2 l 3.8 4.4 m 0.6 4.4 l 3.8 1.2"},                                                   // times
+    {0x3c0, "m 0.2 4.8 l 5 4.8 m 1.5 4.8 l 1.2 0 m 3.7 4.8 l 3.7 1 q 3.8 0 4.8 0.1"},                    // pi
+    {0x2013, "m 0.3 2.6 l 4 2.6"},                                                                       // en dash
+    {0x2212, "m 0.3 2.8 l 4.3 2.8"},                                                                     // minus
+    {0x2192, "m 0.3 2.8 l 5.3 2.8 m 3.6 4.5 l 5.3 2.8 l 3.6 1.1"},                                       // arrow
+    {0xdf, "m 0.4 0 l 0.4 5.4 A 2.1 5.4 1.7 1.6 180 -90 m 1.9 3.8 l 2.1 3.8 A 2.2 1.9 2 1.9 90 -120"},   // sharp s
+    {0xe6, "a 2.45 2.5 2.05 2.5 90 450 m 4.5 5 l 4.5 0 m 4.5 2.5 l 8.6 2.5 A 6.55 2.5 2.05 2.5 0 318"},  // ae
+    {0xc6, "m 0.2 0 l 3.6 7 l 7.4 7 m 3.9 7 l 3.9 0 l 7.4 0 m 1.4 2.4 l 3.9 2.4 m 3.9 3.6 l 7 3.6"},     // AE
+    {0x153, "a 2.45 2.5 2.05 2.5 90 450 m 4.5 2.5 l 8.6 2.5 A 6.55 2.5 2.05 2.5 0 318"},                 // oe
+    {0x152, "a 3.6 3.5 3.2 3.5 90 270 l 7.6 0 m 3.6 7 l 7.6 7 m 4.2 7 l 4.2 0 m 4.2 3.6 l 7.2 3.6"},     // OE
+    {0xf0, "a 2.45 2.2 2.05 2.2 90 450 m 1.1 7 q 4.5 5.6 4.5 2.2 m 1.2 5.2 l 3.8 6.7"},                  // eth
+    {0xd0, "m 1 0 l 1 7 l 2.5 7 A 2.5 3.5 3.3 3.5 90 -90 l 1 0 m 0.1 3.6 l 2.6 3.6"},                    // Eth
+    {0xfe, "m 0.4 7 l 0.4 -2 m 0.4 2.5 A 2.45 2.5 2.05 2.5 180 540"},                                    // thorn
+    {0xde, "m 0.5 0 l 0.5 7 m 0.5 5.6 l 2.7 5.6 A 2.7 3.7 1.9 1.9 90 -90 l 0.5 1.8"},                    // Thorn
+    {0xf8, "a 2.45 2.5 2.05 2.5 90 450 m 0.4 -0.2 l 4.5 5.2"},  // o with stroke
+    {0xd8, "a 3.6 3.5 3.2 3.5 90 450 m 0.7 -0.3 l 6.5 7.3"},    // O with stroke
     {box, "m 0.4 0 l 0.4 7 l 3.6 7 l 3.6 0 l 0.4 0"},
 };
 
@@ -241,17 +248,21 @@ constexpr Marked marked[] = {
     {0xc0, 'A', Mark::grave},      {0xc1, 'A', Mark::acute},      {0xc2, 'A', Mark::circumflex},
     {0xc3, 'A', Mark::tilde},      {0xc4, 'A', Mark::diaeresis},  {0xc5, 'A', Mark::ring},
     {0xc7, 'C', Mark::cedilla},    {0xc8, 'E', Mark::grave},      {0xc9, 'E', Mark::acute},
-    {0xca, 'E', Mark::circumflex}, {0xcb, 'E', Mark::diaeresis},  {0xcd, 'I', Mark::acute},
-    {0xd1, 'N', Mark::tilde},      {0xd3, 'O', Mark::acute},      {0xd4, 'O', Mark::circumflex},
-    {0xd5, 'O', Mark::tilde},      {0xd6, 'O', Mark::diaeresis},  {0xda, 'U', Mark::acute},
-    {0xdc, 'U', Mark::diaeresis},  {0xe0, 'a', Mark::grave},      {0xe1, 'a', Mark::acute},
-    {0xe2, 'a', Mark::circumflex}, {0xe3, 'a', Mark::tilde},      {0xe4, 'a', Mark::diaeresis},
-    {0xe5, 'a', Mark::ring},       {0xe7, 'c', Mark::cedilla},    {0xe8, 'e', Mark::grave},
-    {0xe9, 'e', Mark::acute},      {0xea, 'e', Mark::circumflex}, {0xeb, 'e', Mark::diaeresis},
-    {0xed, 'i', Mark::acute},      {0xf1, 'n', Mark::tilde},      {0xf2, 'o', Mark::grave},
-    {0xf3, 'o', Mark::acute},      {0xf4, 'o', Mark::circumflex}, {0xf5, 'o', Mark::tilde},
-    {0xf6, 'o', Mark::diaeresis},  {0xf9, 'u', Mark::grave},      {0xfa, 'u', Mark::acute},
-    {0xfb, 'u', Mark::circumflex}, {0xfc, 'u', Mark::diaeresis},
+    {0xca, 'E', Mark::circumflex}, {0xcb, 'E', Mark::diaeresis},  {0xcc, 'I', Mark::grave},
+    {0xcd, 'I', Mark::acute},      {0xce, 'I', Mark::circumflex}, {0xcf, 'I', Mark::diaeresis},
+    {0xd1, 'N', Mark::tilde},      {0xd2, 'O', Mark::grave},      {0xd3, 'O', Mark::acute},
+    {0xd4, 'O', Mark::circumflex}, {0xd5, 'O', Mark::tilde},      {0xd6, 'O', Mark::diaeresis},
+    {0xd9, 'U', Mark::grave},      {0xda, 'U', Mark::acute},      {0xdb, 'U', Mark::circumflex},
+    {0xdc, 'U', Mark::diaeresis},  {0xdd, 'Y', Mark::acute},      {0xe0, 'a', Mark::grave},
+    {0xe1, 'a', Mark::acute},      {0xe2, 'a', Mark::circumflex}, {0xe3, 'a', Mark::tilde},
+    {0xe4, 'a', Mark::diaeresis},  {0xe5, 'a', Mark::ring},       {0xe7, 'c', Mark::cedilla},
+    {0xe8, 'e', Mark::grave},      {0xe9, 'e', Mark::acute},      {0xea, 'e', Mark::circumflex},
+    {0xeb, 'e', Mark::diaeresis},  {0xec, 'i', Mark::grave},      {0xed, 'i', Mark::acute},
+    {0xee, 'i', Mark::circumflex}, {0xef, 'i', Mark::diaeresis},  {0xf1, 'n', Mark::tilde},
+    {0xf2, 'o', Mark::grave},      {0xf3, 'o', Mark::acute},      {0xf4, 'o', Mark::circumflex},
+    {0xf5, 'o', Mark::tilde},      {0xf6, 'o', Mark::diaeresis},  {0xf9, 'u', Mark::grave},
+    {0xfa, 'u', Mark::acute},      {0xfb, 'u', Mark::circumflex}, {0xfc, 'u', Mark::diaeresis},
+    {0xfd, 'y', Mark::acute},      {0xff, 'y', Mark::diaeresis},
 };
 
 /// Capitals are 2 higher, and their marks, too.

@@ -23,6 +23,7 @@
 #include "setup/options/options.hpp"
 #include "setup/sessions/load.hpp"
 #include "support/csv.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/json.hpp"
 #include "support/shared_data.hpp"
@@ -195,6 +196,19 @@ TEST_F(CliExport, WhatCannotBeFinishedReplacesNothing) {
   EXPECT_TRUE(events.ends_with("}\n"));
 }
 
+TEST_F(CliExport, EventsWithoutTheirLastLineAreAFailure) {
+  const std::vector<std::string> line{
+      "export",    "--scene", cube,      "--source", "recording:" + source_file("assets/depth/take").string(),
+      "--backend", "cpu",     "--quiet", "--events", in("e.jsonl")};
+  succeeded(palpa_here(line));
+  const std::string events = read_text(in("e.jsonl"));
+  const std::size_t last = events.rfind('\n', events.size() - 2) + 1;
+  EXPECT_CONTAINS(events.substr(last), "\"release\"");
+  const FileSizeLimit full(events.size() - 5);
+  expect_failure(palpa_here(line), 1, in("e.jsonl") + ": cannot be written: File too large");
+  EXPECT_EQ(read_text(in("e.jsonl")), events.substr(0, last));
+}
+
 TEST_F(CliExport, ABagEndsByItselfToo) {
   const driver::rosbag::test::MadeUpBag bag;
   const auto bytes = bag.bytes();
@@ -208,13 +222,14 @@ TEST_F(CliExport, FociThatWerePlayedHaveTheSameDrivesAgain) {
   const struct {
     std::vector<std::string> options, again;
     double tolerance;  ///< of amplitudes; 0: the same bytes
-  } cases[] = {{{}, {}, 0},
-               {{"--method", "multi-focus"}, {}, 0},
-               {{"--method", "single-focus"}, {}, 0},
-               {{"--foci-count", "7", "--dwell", "2ms"}, {}, 0},
-               {{"--ceiling", "0.5"}, {}, 1e-6},
-               {{"--pressure", "2kPa"}, {}, 1e-3},
-               {{"--pressure", "2kPa", "--ceiling", "0.5"}, {}, 1e-3}};
+  } cases[] = {
+      {{}, {}, 0},
+      {{"--method", "multi-focus"}, {}, 0},
+      {{"--method", "single-focus", "--modulation", "amplitude-sine", "--modulation-frequency", "130Hz"}, {}, 0},
+      {{"--foci-count", "7", "--dwell", "2ms"}, {}, 0},
+      {{"--ceiling", "0.5"}, {}, 1e-6},
+      {{"--pressure", "2kPa"}, {}, 1e-3},
+      {{"--pressure", "2kPa", "--ceiling", "0.5"}, {}, 1e-3}};
   for (const auto& [options, again, tolerance] : cases) {
     SCOPED_TRACE(testing::PrintToString(options));
     exported(source, with(options, {"--foci", in("f.json"), "--drives", in("d.bin"), "--quiet"}));

@@ -93,14 +93,53 @@ TEST(Help, ComesInTwoLengths) {
   }
 }
 
+/// What a shell offers as the value of a command's option, as the lines for this shell say.
+std::string offered_by(const std::string& shell, const std::vector<std::string>& lines, const std::string& command,
+                       const std::string& option) {
+  const bool fish = shell == "fish";
+  const std::vector<std::string> words = words_of(command);
+  std::string of_command;  // in fish, a part of each line; otherwise the line before its options
+  for (const std::string& word : words)
+    of_command += fish ? (of_command.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + word)
+                       : (of_command.empty() ? "" : " ") + word;
+  const std::string begin = fish             ? " -n '" + of_command + "' -l " + option.substr(2) + " -d "
+                            : shell == "zsh" ? "'*" + option + "["
+                                             : "        " + option + ") ";
+  auto from = lines.begin();
+  while (!fish && from != lines.end() && *from != "  " + of_command + ")" && *from != "  '" + of_command + "')" &&
+         *from != "    " + of_command + ")" && *from != "    '" + of_command + "')")
+    ++from;
+  for (; from != lines.end() && (fish || (*from != "    ;;" && *from != "      esac")); ++from) {
+    const std::string& line = *from;
+    if (line.find(begin) == std::string::npos) continue;
+    const auto has = [&](const char* in_bash, const char* in_zsh, const char* in_fish) {
+      return fish ? line.ends_with(in_fish) || line.find(in_fish + std::string(" '")) != std::string::npos
+                  : line.find(shell == "zsh" ? in_zsh : in_bash) != std::string::npos;
+    };
+    if (has("compgen -f", ":_files'", " -r -F")) return "files";
+    if (has("compgen -W", ":(", " -x -a")) return "words";
+    return has(") return ;;", ":' \\", " -x") ? "nothing" : "no value";
+  }
+  return shell == "bash" ? "no value" : "no such option";
+}
+
 TEST(Help, IsAlsoCompletionForShells) {
   for (const char* shell : {"bash", "zsh", "fish"}) {
     const Result result = succeeded(palpa_here({"help", shell}));
     EXPECT_EQ(result.err, "");
+    const std::vector<std::string> lines = lines_of(result.out);
     for (const std::string& command : every_command()) {
       EXPECT_NE(result.out.find(words_of(command).back()), std::string::npos) << shell << " " << command;
-      for (const HelpedOption& option : options_of(command))
+      for (const HelpedOption& option : options_of(command)) {
         EXPECT_NE(result.out.find(option.name.substr(2)), std::string::npos) << shell << " " << command << option.name;
+        const bool files =
+            option.type.find("FILE") != std::string::npos || option.type.find("DIR") != std::string::npos;
+        EXPECT_EQ(offered_by(shell, lines, command, option.name), option.type.empty()     ? "no value"
+                                                                  : files                 ? "files"
+                                                                  : option.type == "WORD" ? "words"
+                                                                                          : "nothing")
+            << shell << " " << command << " " << option.name << " " << option.type;
+      }
     }
   }
 }

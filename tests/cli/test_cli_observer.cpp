@@ -144,6 +144,10 @@ TEST_F(CliObserver, PredictsAStudy) {
     EXPECT_GT(method["accuracy"].get<double>(), 0.4);
     EXPECT_LT(method["error"].get<double>(), 0.005);
   }
+  const json& variants = all["prediction"]["variants"];
+  const auto rigid = std::ranges::find(variants, "no wave delays", [](const json& one) { return one["name"]; });
+  ASSERT_NE(rigid, variants.end());
+  EXPECT_NE((*rigid)["methods"], reference["methods"]) << "the skin's waves count";
   EXPECT_EQ(all["prediction"]["levels"].size(), 4u);
   const auto& levels = all["prediction"]["levels"];
   const auto level = std::ranges::find(levels, "16 mN", [](const json& one) { return one["name"]; });

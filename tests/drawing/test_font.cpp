@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 #include <string>
+#include <vector>
 
+#include "base/text.hpp"
 #include "drawing/font.hpp"
 
 namespace palpa::drawing {
@@ -15,32 +18,46 @@ std::vector<PenStroke> strokes_of(const std::string& text, double height = 70) {
   return strokes;
 }
 
+/// ASCII, and the letters of Western European languages.
+std::vector<std::string> characters() {
+  std::vector<std::string> all;
+  for (std::uint32_t code = '!'; code <= 0xff; ++code) {
+    if (code <= '~' || (code >= 0xc0 && code != 0xf7)) all.push_back(utf8(code));
+  }
+  all.insert(all.end(), {"\u0152", "\u0153"});
+  return all;
+}
+
 TEST(Font, HasEveryPrintableCharacterAndAllDiffer) {
   const auto box = strokes_of("\xff");
-  std::set<std::string> drawings;
-  for (char c = '!'; c <= '~'; ++c) {
-    const auto strokes = strokes_of(std::string(1, c));
-    ASSERT_FALSE(strokes.empty()) << c;
+  const auto drawing_of = [](const std::vector<PenStroke>& strokes) {
     std::string drawing;
     for (const PenStroke& s : strokes) {
       drawing += std::to_string(s.from.x) + " " + std::to_string(s.from.y) + " " + std::to_string(s.to.x) + " " +
                  std::to_string(s.to.y) + ";";
     }
-    EXPECT_TRUE(drawings.insert(drawing).second) << c << " looks like another character";
+    return drawing;
+  };
+  std::set<std::string> drawings{drawing_of(box)};
+  for (const std::string& c : characters()) {
+    const auto strokes = strokes_of(c);
+    ASSERT_FALSE(strokes.empty()) << c;
+    EXPECT_TRUE(drawings.insert(drawing_of(strokes)).second) << c << " looks like another character, or is a box";
   }
   EXPECT_TRUE(strokes_of(" ").empty());
   EXPECT_EQ(strokes_of("\u4e2d").size(), box.size());  // a missing glyph is a box
 }
 
 TEST(Font, StaysInsideItsWidthAndHeight) {
-  for (char c = '!'; c <= '~'; ++c) {
-    const std::string text(1, c);
-    const double width = text_width(text, 70);
-    for (const PenStroke& s : strokes_of(text)) {
+  for (const std::string& c : characters()) {
+    const bool marked = c.size() > 1;
+    const double width = text_width(c, 70), beside = marked ? 10 : 1;
+    const double above = marked ? 98 : 85;  // a little above capitals, for brackets and marks
+    for (const PenStroke& s : strokes_of(c)) {
       for (const Vec2& p : {s.from, s.to}) {
-        EXPECT_GE(p.x, -1) << c;
-        EXPECT_LE(p.x, width + 1) << c;
-        EXPECT_GE(p.y, -85) << c;  // a little above capitals for brackets
+        EXPECT_GE(p.x, -beside) << c;
+        EXPECT_LE(p.x, width + beside) << c;
+        EXPECT_GE(p.y, -above) << c;
         EXPECT_LE(p.y, 25) << c;
       }
     }

@@ -10,12 +10,16 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <random>
+#include <vector>
 
 #include "base/version.hpp"
 #include "geometry/mesh/nearest.hpp"
 #include "geometry/parts/vhacd.hpp"
+#include "geometry/parts_solid.hpp"
 #include "support/instrumented.hpp"
+#include "support/own_cache.hpp"
 #include "support/shapes.hpp"
+#include "support/shared_data.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::geometry {
@@ -205,6 +209,35 @@ TEST(Decompose, TakesOpenAndCrossingMeshes) {
   const double volume = measure(crossing, *crossed, 0).union_volume_m3;
   EXPECT_GT(volume, 1.5 * whole);
   EXPECT_LT(volume, 2.2 * whole);
+}
+
+// What is kept of a mesh is of its options.
+TEST(UseParts, EachOptionHasItsOwnPartsAgain) {
+  NEEDS_VHACD();
+  const test::OwnCache cache(test::scratch_folder("kept-parts"));
+  const Mesh mesh = test::rounded(test::ell());
+  const DecomposeOptions usual{.parts = 8, .resolution = 10'000, .error_percent = 1};
+  DecomposeOptions fewer = usual, finer = usual, rougher = usual;
+  fewer.parts = 1;
+  finer.resolution = 20'000;
+  rougher.error_percent = 40;
+  const auto corners_of = [](const Parts& parts) {
+    std::vector<Vec3> corners;
+    for (const Part& part : parts.parts)
+      corners.insert(corners.end(), part.mesh.positions.begin(), part.mesh.positions.end());
+    return corners;
+  };
+  std::vector<std::vector<Vec3>> fresh;
+  for (const DecomposeOptions& options : {usual, fewer, finer, rougher}) {
+    fresh.push_back(corners_of(*decompose(mesh, options)));
+    EXPECT_EQ(fresh.back() == fresh[0], fresh.size() == 1) << fresh.size();
+    for (const bool again : {false, true}) {
+      Solid solid;
+      solid.mesh = mesh;
+      ASSERT_TRUE(use_parts(solid, options, {}));
+      EXPECT_EQ(corners_of(solid.parts), fresh.back()) << fresh.size() << again;
+    }
+  }
 }
 
 TEST(Decompose, StopsWhenToldTo) {

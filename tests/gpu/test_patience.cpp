@@ -1,5 +1,6 @@
 #include "gpu/patience.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -7,6 +8,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -154,6 +157,12 @@ TEST(Software, RefusesWhatItsProcessMayNotHave) {
   ASSERT_EQ(setrlimit(RLIMIT_AS, &now), 0);
   EXPECT_NO_THROW(require_room_for(gpu, more_than_any));
   EXPECT_ERROR(require_room_for(software, more_than_any), Exit::failed, "ulimit -v");
+  const std::string told = test::thrown_by([&] { require_room_for(software, more_than_any); }).what();
+  EXPECT_CONTAINS(told, fmt::format("it needs {} MB more, but", (more_than_any + 100'000'000) / 1'000'000));
+  const std::string leave = "control group) leave ";
+  const double left_mb = std::strtod(told.c_str() + told.find(leave) + leave.size(), nullptr);
+  EXPECT_GT(left_mb, 0) << told;
+  EXPECT_LE(left_mb, 1e-6 * static_cast<double>(now.rlim_cur)) << told;
   EXPECT_NO_THROW(require_room_for(software, 1 << 20));
   setrlimit(RLIMIT_AS, &before);
 }

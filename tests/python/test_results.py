@@ -40,7 +40,13 @@ def test_empty_sectors_are_nan(cube):
 
 
 def test_depth_images_as_arrays_and_files(cube, tmp_path):
-    camera, image = "assets/depth/camera.toml", palpa.Recording("assets/depth/take").images(6)[0]
+    camera, recording = "assets/depth/camera.toml", palpa.Recording("assets/depth/take")
+    image, count = recording.images(6)[0], len(recording)
+    frames = [recording.images(number)[0] for number in range(count)]
+    assert len({frame.tobytes() for frame in frames}) > 5 and all(np.array_equal(recording.images(number - count)[0], frame) for number, frame in enumerate(frames))
+    for number in (count, -count - 1):
+        with pytest.raises(IndexError, match=f"the recording has {count} frames"):
+            recording.images(number)
     assert image.dtype == np.uint16 and not image.flags.writeable
     write_png16(tmp_path / "image.png", image)
     files = cube.touch(depth=tmp_path / "image.png", camera=camera, backend="cpu")

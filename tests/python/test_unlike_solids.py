@@ -169,8 +169,15 @@ def test_a_decomposition_cuts_each_solid_as_alone(folder):
     def cut(order):
         parts = palpa.decompose(write_scene(folder / "scene.gltf", order), parts=3, resolution=10000)
         parts.write(folder / "parts.glb")
+        for one, told in zip(parts.solids, json.loads(parts.json(folder / "parts.glb"))["solids"]):
+            errors = {f"{name}error_{which}": told[f"{key}_error_m"][which] for name, key in (("", "surface"), ("mesh_", "mesh")) for which in ("mean", "p95", "max")}
+            same = {"solid": told["name"]} | {name: told[name] for name in ("volume_ratio", "filled_cavities", "seconds")}
+            assert {name: one[name] for name in errors | same} == errors | same
+            differ.append(len(set(errors.values())))
         return {one["solid"]: one | {"seconds": 0, "parts": [part.vertices.tolist() for part in one["parts"]]} for one in parts.solids}, {solid.name: solid.parts for solid in palpa.Scene(folder / "parts.glb")}
+    differ = []
     alone = [cut([name]) for name in SOLIDS]
+    assert max(differ) == 6, "no number of one solid is another's"
     for order in ORDERS:
         told, written = cut(order)
         assert list(told) == order and all(near(told[name], one[name]) and written[name] == kept[name] for name, (one, kept) in zip(SOLIDS, alone))

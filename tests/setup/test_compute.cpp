@@ -67,6 +67,20 @@ TEST(Backend, TheBestDeviceIsTheFirstUsableOneOfTheFastestKind) {
             "soft");
 }
 
+TEST(Backend, KeepsADeviceUntilItIsLost) {
+  const ComputeOptions options{.backend = Backend::gpu};
+  const gpu::Device* const first = kept_device(options);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(kept_device(options), first);
+  EXPECT_EQ(kept_device({.backend = Backend::cpu}), nullptr);
+  first->lose();
+  const gpu::Device* const next = kept_device(options);
+  ASSERT_NE(next, nullptr);
+  EXPECT_FALSE(next->lost());
+  EXPECT_EQ(kept_device(options), next);
+  EXPECT_TRUE(first->lost()) << "others may still have it";
+}
+
 TEST(Backend, RefusesAnEnvironmentThatNamesNoBackend) {
   EXPECT_ERROR(chosen({}, "cuda", {}), Exit::usage, "PALPA_BACKEND is 'cuda': give auto, gpu or cpu");
 }

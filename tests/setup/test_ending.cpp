@@ -6,7 +6,9 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstddef>
+#include <cstring>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +16,7 @@
 
 #include "base/error.hpp"
 #include "base/log.hpp"
+#include "setup/process/interrupt.hpp"
 #include "setup/process/program.hpp"
 
 namespace palpa::setup {
@@ -57,6 +60,38 @@ TEST(Ending, AProgramThatEndsTooLateIsNoSuccessAndHasOneLine) {
   EXPECT_EQ(run([] { throw bad_usage("the only line"); }), std::pair(2, std::string("palpa: error: the only line\n")));
   EXPECT_FALSE(decide_ending(Exit::failed)) << "the watch comes too late";
   EXPECT_EQ(run([] {}), std::pair(0, std::string()));
+}
+
+/// A program that was started with nohup, or in the background of a script.
+TEST(Interrupt, LeavesSignalsAloneThatTheParentIgnores) {
+  using Handler = void (*)(int);
+  const auto handler_of = [](int signal) {
+    struct sigaction now {};
+    sigaction(signal, nullptr, &now);
+    return now.sa_handler;
+  };
+  const std::vector<int> signals{SIGINT,  SIGTERM, SIGHUP,  SIGQUIT, SIGTSTP, SIGUSR1,
+                                 SIGUSR2, SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN, SIGRTMAX};
+  for (const Handler before : {SIG_IGN, SIG_DFL}) {
+    std::vector<Handler> own;
+    for (const int signal : signals)
+      own.push_back(std::signal(signal, before));
+    {
+      const Interrupt interrupt("late");
+      for (const int signal : signals) {
+        const bool ignored = signal == SIGTTOU || signal == SIGTTIN || before == SIG_IGN;
+        EXPECT_EQ(handler_of(signal) == SIG_IGN, ignored) << strsignal(signal);
+        EXPECT_NE(handler_of(signal), SIG_DFL) << strsignal(signal);
+      }
+      if (before == SIG_IGN && handler_of(SIGHUP) == SIG_IGN) raise(SIGHUP);
+      EXPECT_FALSE(Interrupt::signalled());
+      EXPECT_FALSE(Interrupt::flag());
+    }
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+      EXPECT_EQ(handler_of(signals[i]), before) << strsignal(signals[i]);
+      std::signal(signals[i], own[i]);
+    }
+  }
 }
 
 /// The watch for signals ends the process as soon as the line is out, and after its patience where nobody reads it.

@@ -1,18 +1,24 @@
 // Recordings of the finger beside logs, and what a sitting records.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "study/files/finger_file.hpp"
 #include "study/files/gzip.hpp"
+#include "study/files/study_folder.hpp"
 #include "study/sitting/finger_recorder.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
+#include "support/study_files.hpp"
 #include "support/thrown.hpp"
 
 namespace palpa::study {
@@ -65,6 +71,43 @@ TEST_F(FingerRecording, GivesTheDepthInEachTrial) {
   }
   EXPECT_EQ(file.courses[1].samples.size(), 8u) << "it ends where the next trial begins";
   EXPECT_TRUE(file.courses[3].empty()) << "the recording has ended";
+}
+
+/// Two logs of a participant, with rows that are no trial, that are broken off and that are left out.
+TEST_F(FingerRecording, HasTheDepthsOfItsOwnLogsTrials) {
+  const auto write_run = [&](int run, const std::string& log) {
+    const std::filesystem::path events = test::events_place(folder_, 1, run);
+    test::write_events(events, test::events_header + log);
+    std::string text;
+    for (int i = 0; i < 700; ++i)
+      text += fmt::format("0.1\t{}\n", 1e-3 * run + 1e-4 * (i / 100));  // another depth in each 10 s
+    const std::string stem = fmt::format("sub-1_task-shapes_run-{}_recording-finger_physio", run);
+    test::write_text(events.parent_path() / (stem + ".tsv.gz"), packed(text));
+    test::write_text(events.parent_path() / (stem + ".json"),
+                     R"({"SamplingFrequency": 10, "StartTime": 0, "Columns": ["x", "depth"]})");
+  };
+  write_run(1,
+            "10\t9\tpractice\ta\tcube\tcube\t1\tanswered\n"
+            "20\t9\ttrial\ta\tcube\tcube\t1\tanswered\n"
+            "30\t9\ttrial\ta\tsemi-sphere\tn/a\tn/a\tvoid\n"
+            "40\t9\ttrial\tb\tpyramid\tcone\t1\tanswered\n"
+            "50\t9\ttrial\tb\tprism\tcube\t1\tanswered\n");
+  write_run(2,
+            "10\t9\ttrial\ta\tpyramid\tpyramid\t1\tanswered\n"
+            "20\t9\ttrial\tb\tcube\tcube\t1\tanswered\n");
+  const Study study = read_study(std::vector<std::string>{folder_.string()});
+  ASSERT_EQ(study.shapes, test::study_shapes);
+  std::map<std::pair<std::string, std::string>, double> found;
+  const std::vector<DepthCourse>& depths = study.participants.at(0).depths;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (depths[i].empty()) continue;
+    EXPECT_EQ(depths[i].samples.size(), 36u) << "9 s";
+    EXPECT_NEAR(depths[i].sum_m[1] / depths[i].samples[1], depths[i].sum_m[30] / depths[i].samples[30], 1e-9);
+    found[{study.methods[i / 4], study.shapes[i % 4]}] =
+        std::round(1e5 * depths[i].sum_m[2] / depths[i].samples[2]) / 100;
+  }
+  EXPECT_EQ(found, (decltype(found){
+                       {{"a", "cube"}, 1.2}, {{"a", "pyramid"}, 2.1}, {{"b", "cube"}, 2.2}, {{"b", "prism"}, 1.5}}));
 }
 
 TEST_F(FingerRecording, ThatIsCutIsReadUpToThere) {

@@ -44,7 +44,12 @@ std::string whole_journal(const StudyPlan& plan) {
 
 TEST(Journal, ReadsWhatItWrites) {
   const std::vector<Entry> entries{
-      {.kind = EntryKind::start, .text = "2026-11-25T00:00:00Z", .version = "1.0 (abc)", .rehearsal = true},
+      {.kind = EntryKind::start,
+       .text = "2026-11-25T00:00:00Z",
+       .version = "1.0 (abc)",
+       .rehearsal = true,
+       .masking = "noise.wav",
+       .backend = "gpu"},
       {.kind = EntryKind::consent, .at_ns = 5, .accepted = true, .depth_frames = true},
       {.kind = EntryKind::level, .at_ns = 6, .text = "ethics 12/26", .level_db = 109.5, .dose_db = 104.25},
       {.kind = EntryKind::touched,
@@ -52,7 +57,7 @@ TEST(Journal, ReadsWhatItWrites) {
        .sounded_s = 9.75,
        .step = 3,
        .deep_s = 0.125,
-       .stimulus = Stimulus{"ab", 0.05, "foci.json", "cd", 6667}},
+       .stimulus = Stimulus{"ab", 0.05, "foci.json", "cd", 6667, "openmpd", TouchLosses{1, 2, 3, 4}}},
       {.kind = EntryKind::broken,
        .at_ns = 8,
        .sounded_s = 0.5,

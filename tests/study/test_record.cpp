@@ -190,6 +190,40 @@ TEST_F(RecordTest, AllTouchesOfAShapeHaveOneModel) {
   EXPECT_FALSE(fs::exists(folder_ / "sub-02")) << "the number is not used up";
 }
 
+TEST_F(RecordTest, SaysHowLoudATouchWasAndWhatItLost) {
+  for (const bool measured : {false, true}) {
+    StudyPlan plan = plan_;
+    plan.level.limit_db = 121;
+    if (measured) plan.level.measured_db = 98;
+    fs::remove_all(folder_ / "sub-01");
+    {
+      Record record(plan, 1, folder_, false);
+      record.add({.kind = EntryKind::start, .text = utc_now()});
+      record.add({.kind = EntryKind::level, .text = "ethics 12/26", .level_db = 109.5, .dose_db = 104.25});
+      record.add({.kind = EntryKind::consent, .at_ns = 1, .accepted = true});
+      record.add({.kind = EntryKind::begin, .at_ns = 2, .step = 0});
+      record.add({.kind = EntryKind::touched,
+                  .at_ns = 3,
+                  .sounded_s = 288,
+                  .step = 0,
+                  .stimulus = Stimulus{.losses = TouchLosses{1, 2, 3, 4}}});
+      record.add({.kind = EntryKind::answer, .at_ns = 4, .step = 0, .text = "yes"});
+    }
+    const std::string table = read_text(log_);
+    EXPECT_TRUE(table.ends_with("\tn/a\t1\t2\t3\t4\n")) << table;
+    const std::string which = measured ? "Measured" : "Predicted";
+    EXPECT_EQ(json::parse(read_text(file("beh/sub-01_task-shapes_run-01_events.json")))["SoundLevel"],
+              json({{which + "PeakDb", 109.5},
+                    {which + "EquivalentDb", 104.25},
+                    {"LimitDb", 121.0},
+                    {"SoundedSeconds", 288.0},
+                    {"SoundedEquivalentDb", 89.5},
+                    {"OverrideSignedBy", "ethics 12/26"}}));
+    EXPECT_NO_THROW(Record(plan, 1, folder_, false)) << "it can be continued";
+    EXPECT_EQ(read_text(log_), table);
+  }
+}
+
 TEST_F(RecordTest, RefusesTwoFoldersWithOneNumber) {
   sit(1, 10);
   fs::create_directories(folder_ / "sub-1");

@@ -184,6 +184,12 @@ TEST_F(SittingTest, SilenceOnEveryWayOutOfATouch) {
       {"pause", [&](Sitting& one) { one.act(Act::pause, now_); }},
       {"stop", [&](Sitting& one) { one.act(Act::stop, now_); }},
       {"a camera that dies", [&](Sitting& one) { one.fault("the camera was unplugged", now_); }},
+      {"a finger that is too deep, and pause",
+       [&](Sitting& one) {
+         one.captured(16e-3, now_);
+         one.captured(std::nullopt, now_ += 5 * ms);
+         one.act(Act::pause, now_);
+       }},
       {"a clock that jumps", [&](Sitting& one) { one.advance(now_ += 5000 * ms); }},
       {"a clock that jumps, and a frame first",
        [&](Sitting& one) {
@@ -209,6 +215,13 @@ TEST_F(SittingTest, SilenceOnEveryWayOutOfATouch) {
     ASSERT_EQ(one.screen(), Screen::paused) << name;
     one.act(Act::go_on, now_);
     EXPECT_EQ(one.screen(), Screen::ready) << name;
+    // Nothing of it is left in the next touch.
+    one.act(Act::go_on, now_);
+    one.advance(now_ += 49 * ms);
+    EXPECT_TRUE(one.presented().sounds) << name << ": " << one.reason();
+    one.advance(now_ += ms);
+    EXPECT_EQ(one.screen(), Screen::question) << name;
+    EXPECT_EQ(written_.back().deep_s, 0) << name;
   }
 }
 

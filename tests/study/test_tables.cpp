@@ -115,6 +115,23 @@ TEST(TwoTables, TheSameTwiceDoesNotDiffer) {
   EXPECT_FALSE(empty.errors);
 }
 
+TEST(TwoTables, WhatNobodyAnsweredDoesNotCount) {
+  Confusion a({"a", "b", "c"}), b = a;
+  // Nobody takes an a for a c; all b are recognised; only one method has a c.
+  a.at(0, 0) = 9, a.at(0, 1) = 3, b.at(0, 0) = 4, b.at(0, 1) = 8;
+  a.at(1, 1) = 5, b.at(1, 1) = 7;
+  a.at(2, 0) = 1, a.at(2, 2) = 6;
+  const TwoTables found = compare(a, b);
+  const double chi = 24.0 * (9 * 8 - 3 * 4) * (9 * 8 - 3 * 4) / (12 * 12 * 13 * 11), degrees[]{1, 0, 0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(found.rows[i].degrees, degrees[i]) << i;
+    EXPECT_NEAR(found.rows[i].chi_square, degrees[i] * chi, 1e-12) << i;
+    EXPECT_NEAR(found.rows[i].p, degrees[i] > 0 ? std::erfc(std::sqrt(chi / 2)) : 1, 1e-12) << i;
+  }
+  EXPECT_EQ(found.all.degrees, 1);
+  EXPECT_NEAR(found.all.p, found.rows[0].p, 1e-12);
+}
+
 /// The pairs above the diagonal, by rows, of four shapes.
 constexpr std::size_t pairs[]{1, 2, 3, 6, 7, 11};
 

@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "gpu/check.hpp"
+#include "viewer/window/fixed_keys.hpp"
 
 namespace palpa::viewer {
 namespace {
@@ -86,31 +87,9 @@ bool start_glfw() {
   return glfwInit() == GLFW_TRUE;
 }
 
-constexpr std::pair<int, Key> named_keys[] = {{GLFW_KEY_TAB, Key::tab},
-                                              {GLFW_KEY_LEFT, Key::left},
-                                              {GLFW_KEY_RIGHT, Key::right},
-                                              {GLFW_KEY_UP, Key::up},
-                                              {GLFW_KEY_DOWN, Key::down},
-                                              {GLFW_KEY_PAGE_UP, Key::page_up},
-                                              {GLFW_KEY_PAGE_DOWN, Key::page_down},
-                                              {GLFW_KEY_HOME, Key::home},
-                                              {GLFW_KEY_END, Key::end},
-                                              {GLFW_KEY_DELETE, Key::del},
-                                              {GLFW_KEY_BACKSPACE, Key::backspace},
-                                              {GLFW_KEY_ENTER, Key::enter},
-                                              {GLFW_KEY_KP_ENTER, Key::enter},
-                                              {GLFW_KEY_ESCAPE, Key::escape},
-                                              {GLFW_KEY_F12, Key::f12}};
-
 /// Letters according to the keyboard's layout, digits also from the number pad.
 Key key_pressed(int key, int code) {
-  if (key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) return key_of(static_cast<char>('0' + key - GLFW_KEY_KP_0));
-  if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) return key_of(static_cast<char>(key));
-  if (key == GLFW_KEY_KP_ADD) return key_of('+');
-  if (key == GLFW_KEY_KP_SUBTRACT) return key_of('-');
-  for (const auto& [theirs, ours] : named_keys) {
-    if (key == theirs) return ours;
-  }
+  if (const std::optional<Key> known = fixed_key(key)) return *known;
   const char* name = glfwGetKeyName(key, code);
   if (name != nullptr && name[0] > 0 && name[1] == '\0') return key_of(name[0]);
   return key >= ' ' && key < 127 ? key_of(static_cast<char>(key >= 'A' && key <= 'Z' ? key + 'a' - 'A' : key))

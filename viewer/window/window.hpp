@@ -1,4 +1,4 @@
-// A window, its events and its Vulkan surface. window.cpp is the only file that knows GLFW.
+// A window, its events and its Vulkan surface. Only window.cpp and fixed_keys.hpp know GLFW.
 #pragma once
 
 #include <volk.h>

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "array/layouts/layout.hpp"
@@ -184,6 +185,18 @@ TEST_F(Registration, FociMayBeNudged) {
   succeeded(nudge(touches(foci, std::vector<Vec3>(4, Vec3(0))),
                   "wait*29 enter left*2 up wait*26 enter wait*29 enter wait*29 enter"));
   EXPECT_LT(*sensing::load_rig(file("registered.toml")).joints_residual_m, 0.1e-3);
+  // The second focus moves step by step. The next one is at its own place from its first drive on.
+  std::vector<Vec3> sounds = the_foci();
+  for (const Vec3& mm : {Vec3(-1, 0, 0), Vec3(-2, 0, 0), Vec3(-2, 1, 0)})
+    sounds.push_back(the_foci()[1] + 1e-3 * mm);
+  const Transform T_world_layout = array::load_layout("openmpd").default_T_world_layout;
+  float phase = 0;  // of the drive before, of one of its transducers
+  for (const RecordedDrive& one : read_to_silence(file("drives.bin")).drives) {
+    if (loudest(one.drive) == 0 || std::exchange(phase, one.drive[7].phase) == one.drive[7].phase) continue;
+    EXPECT_TRUE(std::ranges::any_of(sounds, [&](const Vec3& focus) {
+      return phases_off(one.drive, T_world_layout, focus) < 5e-3;
+    })) << one.slot;
+  }
 }
 
 TEST_F(Registration, RefusesTouchesThatSayNothing) {

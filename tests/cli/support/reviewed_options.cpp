@@ -126,9 +126,41 @@ std::vector<ReviewedLine> of_export() {
       {.line = "export --played SCRATCH/played.json --drives -",
        .idle = {{"has no effect with --played",
                  {"--scene ROOT/assets/cube.glb", "--source synthetic", "--frames 1", "--foci -", "--foci-count 8",
-                  "--dwell 2ms", "--pressure 1kPa", "--events -", "--gpu 0"}}},
-       .tried_as = "export --played SCRATCH/played.json --layout openmpd --drives OUT/drives.bin",
-       .effective = {{"", {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms"}}}}};
+                  "--dwell 2ms", "--pressure 1kPa", "--events -", "--gpu 0"}},
+                {"OPTION has no effect with --played",
+                 {"--gltf-scene 0",
+                  "--noise-free",
+                  "--keep-boards",
+                  "--event-move 1mm",
+                  "--surface parts",
+                  "--parts 3",
+                  "--delta 1mm",
+                  "--finger-gap 3mm",
+                  "--internal-faces keep",
+                  "--min-points 4",
+                  "--finger-width 0",
+                  "--cluster inside",
+                  "--spacing arc",
+                  "--stride 3",
+                  "--method ellipse",
+                  "--tune",
+                  "--spot 3mm",
+                  "--modulation amplitude-sine",
+                  "--axes covariance",
+                  "--smoothing none",
+                  "--modulation-frequency 100Hz",
+                  "--predict off",
+                  "--hysteresis off",
+                  "--predict-latency 20ms",
+                  "--seed 3",
+                  "--validation core"}}},
+       .tried_as = "export --played SCRATCH/played.json --drives OUT/drives.bin",
+       .effective = {
+           {"", {"--rig SCRATCH/rig.toml"}},
+           {"--layout openmpd",
+            {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms", "--amplitude uniform",
+             "--constraint clamp", "--solver greedy", "--temperature 25", "--sound-speed 350m/s", "--frequency 41kHz"}},
+           {"--layout openmpd --solver greedy", {"--directivity omni"}}}}};
 }
 
 std::vector<ReviewedLine> of_calibrate() {
@@ -335,9 +367,10 @@ void write_inputs(const std::string& scratch) {
   write("tip.ply", sphere(2e-3, 8, 12), {0, 2e-3, 0});
   const array::Layout layout = array::load_layout("openmpd");
   write_text(scratch + "/drive.csv", setup::drive_csv(layout, array::Drive(layout.transducers.size(), {1, 0})));
+  write_text(scratch + "/rig.toml", "[array]\nlayout = \"openmpd\"\n");
   write_text(scratch + "/played.json",
              R"({"slot_s": 0.0015, "frames": [{"slot": 3, "time_s": 1, "fingers": [{"id": 0, "solid": "",)"
-             R"("foci_m": [[0, 0.15, 0], [0.01, 0.15, 0]], "order": [1, 0], "dwell_s": 0.0015,)"
+             R"("foci_m": [[0, 0.15, 0], [0.01, 0.15, 0]], "order": [[1, 0]], "dwell_s": 0.0015,)"
              R"("modulation_hz": 0, "gain": 1}]}]})");
 }
 

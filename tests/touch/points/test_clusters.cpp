@@ -205,10 +205,13 @@ TEST(TouchParameters, TheGapThatARefusalNamesWillDo) {
   for (const double size : {0.013, 0.04, 0.3, 7.0}) {
     const std::vector solids{box(Vec3(-size, -size, -size), Vec3(size, 0, size))};
     const auto stage = [&](double gap_m) { Stage(solids, {}, {.parameters = {.finger_gap_m = gap_m}}); };
-    const std::string said = palpa::test::error_of([&] { stage(1e-9); }, Exit::usage), before = "at least ";
-    ASSERT_NE(said.find(before), std::string::npos) << said;
-    const double named = std::stod(said.substr(said.find(before) + before.size()));
-    EXPECT_NO_THROW(stage(named)) << said;
+    const std::string said = palpa::test::error_of([&] { stage(1e-9); }, Exit::usage);
+    const auto named = [&](const std::string& before) {
+      const std::size_t at = said.find(before);
+      return at == std::string::npos ? 0 : std::stod(said.substr(at + before.size()));
+    };
+    EXPECT_NO_THROW(stage(named("at least "))) << said;
+    EXPECT_NEAR(named("a solid of "), 2 * size, 1e-2 * size) << said;
   }
 }
 

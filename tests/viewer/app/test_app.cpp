@@ -12,7 +12,9 @@
 #include "geometry/mesh/icosphere.hpp"
 #include "live_app.hpp"
 #include "support/files.hpp"
+#include "support/shapes.hpp"
 #include "support/thrown.hpp"
+#include "viewer/app/pick.hpp"
 #include "viewer/picture/field_marks.hpp"
 
 namespace palpa::viewer {
@@ -267,6 +269,28 @@ TEST_F(LiveApp, ACtrlClickReadsWhatIsNearestAndHowDeepItIs) {
   key(Key::escape);
   EXPECT_FALSE(app_->data().reading);
   EXPECT_FALSE(app_->quitting());
+}
+
+TEST(Pick, APlaceInSeveralSolidsIsAsDeepAsInTheOneWhereItIsDeepest) {
+  const Vec3 at(0, 0.001, 0.002);
+  const SurfaceMark around{"around", test::box(Vec3(-0.02), Vec3(0.02))};
+  const SurfaceMark thin{"thin", test::box(Vec3(-0.02, -0.002, -0.02), Vec3(0.02, 0.004, 0.02))};
+  const SurfaceMark aside{"aside", test::box(Vec3(0.03, -0.02, -0.02), Vec3(0.05, 0.02, 0.02))};
+  ViewState state;
+  state.layers[Layer::points].visible = true;
+  const Projected pixel = project(projection(state.viewpoint, 400, 300), at);
+  const auto deep = [&](std::vector<SurfaceMark> solids) {
+    Picture picture;
+    picture.solids = std::move(solids);
+    picture.skin_points = {glm::vec3(at)};
+    const std::optional<Reading> reading = pick(picture, state, pixel.x, pixel.y, 400, 300, 1);
+    EXPECT_TRUE(reading && reading->what == "skin point");
+    return reading.value_or(Reading()).depth_m;
+  };
+  for (const auto& solids : {std::vector{around, thin, aside}, {aside, thin, around}, {thin, aside, around}})
+    EXPECT_NEAR(deep(solids).value_or(0), 0.018, 1e-6) << solids[0].name;
+  EXPECT_NEAR(deep({thin, aside}).value_or(0), 0.003, 1e-6);
+  EXPECT_FALSE(deep({aside}));
 }
 
 /// Pressures are shown on the mesh of the run that plays, not on the mesh of the previous run.

@@ -129,16 +129,20 @@ TEST_F(FirstSteps, ARecordingWaitsForItsObject) {
   EXPECT_TRUE(goes_round_until([&] { return app_->data().content.run.playback.has_value(); }));
 }
 
-TEST_F(FirstSteps, AnotherObjectIsFramed) {
+TEST_F(FirstSteps, AnotherObjectIsFramedAndAfterTheLastComesTheFirst) {
   ASSERT_TRUE(shows_frame());
   const double before = app_->data().state.viewpoint.distance;
   for (int i = 0; i < 10; ++i)
     send({.kind = Kind::scroll, .x = 300, .y = 300, .steps = 1});
   draw();
   ASSERT_LT(app_->data().state.viewpoint.distance, 0.5 * before);
-  key(Key::page_down);
-  ASSERT_TRUE(opens_other());
+  key(Key::page_up);
+  ASSERT_TRUE(opens_other()) << "the last of the folder";
   ASSERT_TRUE(goes_round_until([&] { return app_->data().state.viewpoint.distance > 0.8 * before; }));
+  const int runs = heard_->opened;
+  key(Key::page_down);
+  ASSERT_TRUE(goes_round_until([&] { return heard_->opened > runs; }));
+  EXPECT_EQ(options().scene, scene_) << "the first";
 }
 
 TEST(Neighbours, AreObjectsAndNoFingersOrHands) {

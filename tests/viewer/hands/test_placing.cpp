@@ -126,6 +126,34 @@ TEST_F(PlacingTest, AHandleMovesASolidAndUndoTakesItBack) {
   EXPECT_FALSE(key(Key::escape)) << "nobody's here";
 }
 
+TEST_F(PlacingTest, EachSolidHasItsHandlesInItsOwnMiddleAndTurnsAroundIt) {
+  for (std::size_t thing = 0; thing < 2; ++thing) {
+    EXPECT_TRUE(key('g'));
+    EXPECT_EQ(placing.chosen(), thing);
+    for (const bool moved : {false, true}) {
+      const Vec3 middle = transform_point(placing.poses()[thing], {thing == 0 ? -0.03 : 0.03, -0.01, 0});
+      const Gizmo gizmo = gizmo_at(middle, sight);
+      const auto shown = placing.marks(sight), expected = gizmo_marks(gizmo, sight, std::nullopt);
+      ASSERT_EQ(shown.size(), expected.size());
+      for (std::size_t i = 0; i < shown.size(); ++i)
+        EXPECT_EQ(shown[i].points, expected[i].points) << thing << i;
+      if (!moved) {
+        drag(middle);
+        does(Kind::release);
+        does(Kind::move, {1, 1});
+        continue;
+      }
+      const Vec2 ring = pixel(middle + 0.72 * gizmo.size_m * glm::normalize(Vec3(1, 2, 0)));
+      EXPECT_TRUE(does(Kind::press, ring));
+      EXPECT_TRUE(does(Kind::move, ring + Vec2(40, 0)));
+      EXPECT_TRUE(does(Kind::release, ring + Vec2(40, 0)));
+      const Transform& pose = placing.poses()[thing];
+      EXPECT_GT(glm::distance(Vec3(pose[0]), Vec3(1, 0, 0)), 0.05) << "it is turned";
+      EXPECT_LT(glm::distance(transform_point(pose, {thing == 0 ? -0.03 : 0.03, -0.01, 0}), middle), 1e-12) << thing;
+    }
+  }
+}
+
 TEST_F(PlacingTest, TheFingerHasHandlesAfterTheSolids) {
   for (int i = 0; i < 3; ++i)
     key('g');
@@ -145,9 +173,13 @@ TEST_F(PlacingTest, WhatWasMovedStaysInItsScene) {
   does(Kind::release);
   placing.begin(rest, true, true);
   EXPECT_TRUE(placing.moved());
+  EXPECT_TRUE(placing.can_undo());
   placing.begin(rest, false, false);
-  EXPECT_FALSE(placing.moved());
+  EXPECT_FALSE(placing.moved() || placing.chosen());
   EXPECT_EQ(placing.names().size(), 2u) << "no finger is held any more";
+  EXPECT_FALSE(placing.can_undo()) << "it was of the other scene";
+  key('z', true);
+  EXPECT_FALSE(placing.moved());
 }
 
 }  // namespace

@@ -18,6 +18,15 @@ TEST(SideBySide, WindowsThatOverlapArePutBesideEachOther) {
   const WindowPlace wide{0, 30, 1920, 1050}, narrow{0, 0, 1280, 1024};
   for (const Case& one : {
            Case{"apart", wide, {10, 40, 900, 620}, {920, 40, 960, 600}, false, std::nullopt},
+           Case{"side by side, from edge to edge", wide, {0, 30, 900, 620}, {900, 30, 1020, 1050}, false, std::nullopt},
+           Case{"the other way round", wide, {1020, 30, 900, 620}, {0, 30, 1020, 1050}, false, std::nullopt},
+           Case{"one above the other", wide, {0, 30, 900, 450}, {0, 480, 960, 600}, false, std::nullopt},
+           Case{"they share a column",
+                wide,
+                {0, 30, 900, 620},
+                {899, 30, 1020, 1050},
+                false,
+                TwoPlaces{{0, 30, 900, 620}, {900, 30, 1020, 1050}}},
            Case{"both fit",
                 wide,
                 {0, 30, 900, 620},

@@ -1,6 +1,7 @@
 // The settings that the viewer stores.
 #include <gtest/gtest.h>
 
+#include "support/captured.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -48,6 +49,25 @@ TEST(Preferences, WhatALineSaysIsForItsRunAlone) {
   expected.skin_colour = SkinColour::pc;
   EXPECT_EQ(to_remember(before, began, now), expected);
   EXPECT_EQ(to_remember(expected, began, now), expected) << "asked once more";
+}
+
+TEST(Preferences, ThatCannotBeWrittenAreToldOnce) {
+  const auto folder = test::scratch_folder("viewer-settings-nowhere");
+  test::write_text(folder / "a file", "");
+  PreferencesMemory memory(folder / "a file" / "viewer.toml");
+  memory.begin({});
+  Preferences now;
+  const auto told = [&] { return test::stderr_of([&] { memory.remember(now); }); };
+  EXPECT_EQ(told(), "") << "as before";
+  now.window = WindowPlace{0, 0, 300, 200};
+  now.recent = {"/cube.glb"};
+  EXPECT_EQ(told(), "") << "it changes by itself";
+  for (const bool dark : {true, false}) {
+    now.dark = dark;
+    now.slots_per_s += 1;
+    EXPECT_CONTAINS(told(), "a file");
+    EXPECT_EQ(told(), "") << "the same once more";
+  }
 }
 
 TEST(Preferences, ABrokenFileIsToldWithItsLine) {

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "drawing/font.hpp"
+#include "drawing/ink.hpp"
 #include "session/plan/voice.hpp"
 #include "support/cameras.hpp"
 #include "touch/fingers/sight.hpp"
@@ -221,6 +224,54 @@ TEST(Overlay, NamesSeveralSolidsWhereTheyAre) {
   EXPECT_GT(near({-0.02, 0, 0}), 4);
   EXPECT_GT(near({0.02, 0, 0}), 4);
   EXPECT_EQ(near({0, -0.02, 0}), 0);
+  for (int i = 0; i < 6; ++i)
+    picture.solids.push_back({.name = "far", .mesh = {}, .name_at = Vec3(0, -0.03 - 0.001 * i, 0)});
+  EXPECT_GT(near({0.02, 0, 0}), 4) << "eight";
+  picture.solids.push_back({.name = "a ninth part", .mesh = {}, .part = 1});
+  EXPECT_GT(near({0.02, 0, 0}), 4) << "a part has no name of its own";
+  picture.solids.push_back({.name = "far", .mesh = {}, .name_at = Vec3(0, -0.04, 0)});
+  EXPECT_EQ(near({0.02, 0, 0}), 0) << "nine are too many to be told apart";
+}
+
+/// Whether a text is written somewhere, in letters of that height.
+bool is_written(const std::vector<shader::ViewStroke>& strokes, const std::string& text, double height) {
+  std::vector<drawing::PenStroke> pen;
+  drawing::write_text(text, {0, 0}, height, pen);
+  for (std::size_t i = 0; i + pen.size() <= strokes.size(); ++i) {
+    bool same = true;
+    for (std::size_t k = 0; same && k < pen.size(); ++k) {
+      const shader::ViewStroke &first = strokes[i], &here = strokes[i + k];
+      same = glm::distance(Vec2(here.from.x - first.from.x, here.from.y - first.from.y), pen[k].from - pen[0].from) +
+                 glm::distance(Vec2(here.to.x - first.from.x, here.to.y - first.from.y), pen[k].to - pen[0].from) <
+             1e-2;
+    }
+    if (same) return true;
+  }
+  return false;
+}
+
+TEST(Overlay, TheScaleIsAsLongAsItSays) {
+  for (const bool orthographic : {false, true}) {
+    for (const double distance : {0.043, 0.37, 1.7}) {
+      for (const auto& [width, height] : {std::pair(640.0, 480.0), {300.0, 500.0}}) {
+        Viewpoint viewpoint = test::front_viewpoint();
+        viewpoint.orthographic = orthographic;
+        viewpoint.distance = distance;
+        std::vector<shader::ViewStroke> strokes;
+        build_overlay({}, {}, viewpoint, {width, height, 1, false}, strokes);
+        const auto bar = std::ranges::find_if(strokes, [&, wide = width](const shader::ViewStroke& s) {
+          return s.from.y == s.to.y && s.to.x == static_cast<float>(wide - 24) && s.to.x - s.from.x > 20;
+        });
+        ASSERT_NE(bar, strokes.end());
+        const auto view = projection(viewpoint, width, height);
+        const double pixels_per_mm =
+            project(view, viewpoint.target + Vec3(1e-3, 0, 0)).x - project(view, viewpoint.target).x;
+        const double mm = (bar->to.x - bar->from.x) / pixels_per_mm;
+        EXPECT_TRUE(is_written(strokes, fmt::format("{:.3g} mm", mm), drawing::text_size))
+            << mm << " " << orthographic << " " << distance;
+      }
+    }
+  }
 }
 
 TEST(Overlay, MarksEveryFocusWhereItIsAndLeavesEmptySectorsOut) {

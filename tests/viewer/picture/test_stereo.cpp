@@ -136,6 +136,27 @@ TEST(Stereo, TwoPicturesBecomeOne) {
   }
 }
 
+/// Rows alternate as the barrier does above the screen's middle, for an eye in the middle of the participant's two.
+TEST(Stereo, EachRowIsThatOfTheEyeThatSeesItThroughTheBarrier) {
+  const sensing::Screen screen = leaning_screen();
+  const Eyes eyes = eyes_before(screen, 0.063);
+  const Vec3 eye = transform_point(glm::inverse(screen.T_world_screen), screen.eye_m);
+  constexpr std::uint32_t rows = 48;
+  const Barrier usual = default_barrier(screen, eyes, Stereo::rows, 64, rows);
+  for (const Barrier& barrier : {usual, Barrier{usual.pitch_m, 0, 0.5}, Barrier{2.6 * usual.pitch_m, 2e-3, 0.3}}) {
+    const drawing::Pixels out =
+        combine(filled({64, rows}, 200, 100, 0), filled({64, rows}, 0, 50, 150), screen, eyes, barrier, Stereo::rows);
+    for (std::uint32_t y = 0; y < rows; ++y) {
+      const double place = (0.5 - (y + 0.5) / rows) * screen.height_m;
+      const double at = place + (eye.y - place) * barrier.gap_m / eye.z;  // where the line of sight meets the barrier
+      const double turns = at / barrier.pitch_m - barrier.phase, part = turns - std::floor(turns);
+      if (std::abs(part - 0.5) > 1e-6 && part > 1e-6 && part < 1 - 1e-6) {
+        EXPECT_EQ(out.at(5, y)[0] == 200, part < 0.5) << y << " " << barrier.phase;
+      }
+    }
+  }
+}
+
 TEST(Stereo, APixelThatHalvingLeavesOverIsItsNeighbour) {
   drawing::Pixels halves = filled({64, 48}, 1, 2, 3);
   halves.rgba[4 * 63] = 9;  // top right
@@ -164,6 +185,16 @@ TEST_F(ViewerParticipant, SeesSolidsAndTileAndNothingElse) {
   ASSERT_TRUE(picture.tile);
   EXPECT_NEAR((*picture.tile)[0].y, 0.02, 5e-4) << "on the cube's top";
   picture.contacts.push_back({{0.05f, 0.05f, 0.02f}, 0u});
+  ViewState all, none;
+  for (const Word<Layer>& entry : layer_words) {
+    all.layers[entry.value].visible = true;
+    none.layers[entry.value].visible = false;
+  }
+  for (const Word<Layer>& entry : layer_words) {
+    const bool object = entry.value == Layer::solids || entry.value == Layer::edges, tile = entry.value == Layer::tile;
+    EXPECT_EQ(for_participant(all).layers[entry.value].visible, object || tile) << entry.word;
+    EXPECT_EQ(for_participant(none).layers[entry.value].visible, tile) << entry.word;
+  }
   const EyeSize size = eye_size(participant.stereo, 640, 180);
   DrawnPicture drawn(test::test_device());
   Offscreen offscreen(test::test_device(), size.width, size.height);

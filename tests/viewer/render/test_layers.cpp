@@ -1,6 +1,10 @@
 // The look of layers, separated parts, sections and images.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
+#include <vector>
+
 #include "drawn.hpp"
 #include "support/cameras.hpp"
 #include "viewer/picture/depth_image.hpp"
@@ -155,6 +159,25 @@ TEST_F(ViewerLayers, DepthIsLightWhereItIsNear) {
   frame.depth.pop_back();
   paint_depth(camera, frame, image);
   EXPECT_TRUE(image.pixels.empty()) << "of no such camera";
+}
+
+// Every step-th pixel, where the longer side would have more than 240.
+TEST(DepthImages, AreAsFineAsTheirLongerSideAllows) {
+  for (const auto& [width, height, step] : {std::array{240u, 135u, 1u},
+                                            {241u, 135u, 2u},
+                                            {480u, 270u, 2u},
+                                            {270u, 480u, 2u},
+                                            {481u, 270u, 3u},
+                                            {640u, 480u, 3u},
+                                            {720u, 480u, 3u}}) {
+    sensing::Camera camera;
+    camera.width = width;
+    camera.height = height;
+    ImageMark image;
+    paint_depth(camera, {std::vector<std::uint16_t>(std::size_t{width} * height, 500), 0}, image);
+    EXPECT_EQ(image.width, (width + step - 1) / step) << width;
+    EXPECT_EQ(image.height, (height + step - 1) / step) << width;
+  }
 }
 
 }  // namespace

@@ -233,6 +233,17 @@ TEST_F(Renderer, AnInsetIsAPictureInThePicture) {
     for (std::uint32_t u = 4; u + 4 < area.extent.width; u += 7)
       ASSERT_GT(distance(both.at(x + u, y + v), paper()), 20) << u << " " << v;
   }
+  // Panels and colour bars cover the whole picture, and nothing of the close-up.
+  Viewpoint covered = viewpoint;
+  covered.covered_left = 0.2;
+  covered.covered_right = 0.3;
+  cover_below(covered, 0.1, false);
+  const View free = close_up(covered, Box{Vec3(-0.002), Vec3(0.002)}, 640, 480, 1);
+  EXPECT_EQ(free.area.offset.y, area.offset.y);
+  EXPECT_NEAR(free.viewpoint.distance, views[1].viewpoint.distance, 1e-12);
+  const Projected middle = project(projection(free.viewpoint, area.extent.width, area.extent.height), Vec3(0));
+  EXPECT_NEAR(middle.x, area.extent.width / 2.0, 0.1);
+  EXPECT_NEAR(middle.y, area.extent.height / 2.0, 0.1);
   // Beside the cube, nothing but the paper.
   const Box beside{Vec3(0.048, 0.048, -0.002), Vec3(0.052, 0.052, 0.002)};
   offscreen.draw(drawn, std::vector<View>{views[0], close_up(viewpoint, beside, 640, 480, 1)});

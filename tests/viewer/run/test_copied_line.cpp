@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "viewer/app/app.hpp"
+#include "viewer/options/view_line.hpp"
 #include "viewer/render/drawing_test.hpp"
 #include "viewer/run/interact.hpp"
 #include "viewer_here.hpp"
@@ -71,6 +73,25 @@ TEST_F(CopiedLine, DrawsThePictureAgain) {
   const auto run = test::viewer_here(again);
   ASSERT_EQ(run.exit_code, 0) << run.err << "\n" << text;
   EXPECT_LT(drawing::mean_difference(drawing::read_png(shown), drawing::read_png(copied)), 1e-4) << text;
+}
+
+/// What the view does not say itself stands in the line as it was given.
+TEST(PictureCommand, KeepsEveryOptionThatIsNotOfTheView) {
+  const std::set<std::string> of_the_view{"--show",       "--hide",  "--opacity", "--explode", "--slice", "--slice-at",
+                                          "--slice-size", "--heat",  "--dark",    "--fine",    "--view",  "--eye",
+                                          "--target",     "--frame", "--ortho",   "--slot",    "--json"};
+  const std::set<std::string> elsewhere{"What the participant sees", "Mouse and keys, panels", "Without a window"};
+  const auto copied = [](const line::Given& given) {
+    ViewerOptions options;
+    options.given = given;
+    return picture_command(options, {}, {.size = {320, 200}});
+  };
+  for (const line::OptionInfo& option : viewer_table()) {
+    const std::vector<std::string> words = words_of(copied({{option.name, {"as given"}}}));
+    const auto at = std::ranges::find(words, option.name);
+    const bool kept = at != words.end() && at + 1 != words.end() && at[1] == "as given";
+    EXPECT_EQ(kept, !of_the_view.contains(option.name) && !elsewhere.contains(option.heading)) << option.name;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -16,6 +17,7 @@ namespace palpa::test {
 
 struct PlanParts {
   double touch_s = 0.05;
+  std::array<double, 2> dwell_ms{1.5, 1.5};  ///< of the methods
   std::string layout = "autd3", run = "predict = false\n", level = "ceiling = 0.5\nlimit_db = 140\n";
 };
 
@@ -27,8 +29,10 @@ inline std::filesystem::path write_study_plan(const std::filesystem::path& folde
     const std::string model = source_file("assets/" + shape + ".glb").string();
     text += "[[shape]]\nname = \"" + shape + "\"\nmodel = \"" + model + "\"\n";
   }
-  for (const std::string method : {"single-focus", "cross-section"})
-    text += "[[method]]\nname = \"" + method + "\"\nlayout = \"" + parts.layout + "\"\n";
+  for (const std::size_t m : {0, 1}) {
+    text += std::string("[[method]]\nname = \"") + (m == 0 ? "single-focus" : "cross-section") + "\"\nlayout = \"" +
+            parts.layout + "\"\ndwell_ms = " + std::to_string(parts.dwell_ms[m]) + "\n";
+  }
   const std::filesystem::path file = folder / "plan.toml";
   text += "[study]\nparticipants = 2\ntrials_per_shape = 2\ntouch_s = " + std::to_string(parts.touch_s) + "\n";
   write_text(file, text + "[run]\nmasking = \"off\"\n" + parts.run + "[level]\n" + parts.level + blocks);

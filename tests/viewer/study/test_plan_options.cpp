@@ -1,11 +1,18 @@
-// The live run of a sitting has each method's own values, and each value of the plan and of the command line.
+// The live run of a sitting has each method's own values, and each value of the plan and of the command line. Its link
+// fits the plan's layouts.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "sitting_bench.hpp"
+#include "support/files.hpp"
+#include "support/thrown.hpp"
 #include "viewer/study/presentation.hpp"
 
 namespace palpa::viewer {
@@ -89,6 +96,56 @@ TEST(OptionsOfAMethod, HaveEachValueOfPlanAndLine) {
   Asked method = asked();
   method.plan.methods[1] = method.plan.methods[0];
   EXPECT_EQ(text_of(options_of_method(method.plan, 1, method.run, "shapes.glb")), of_other);
+}
+
+/// A plan that leaves the array open fits any; one that names it says what is wrong in the plan's own words.
+TEST(StudyLinks, LayoutsAreThoseOfTheArray) {
+  const std::filesystem::path folder = test::scratch_folder("study-layouts");
+  test::SittingBench bench(folder, test::write_study_plan(folder, ""));
+  setup::StudyRunOptions run = bench.options();
+  run.link = "null";
+  check_study_links(bench.plan(), run, {});
+  EXPECT_NO_THROW(try_study_link(bench.plan(), run, {}));
+  run.rig = test::source_file("assets/rigs/paper.toml");
+  EXPECT_ERROR(check_study_links(bench.plan(), run, {}), Exit::usage, "its array is paper, but method single-focus");
+  run = {};
+  run.link = "own:X";
+  LiveSession::Kinds kinds;
+  session::LinkKind own = test::heard_link(std::make_shared<test::HeardSound>());
+  own.name = "own";
+  own.own_layout = [](const std::string&) { return std::string("openmpd"); };
+  kinds.links.push_back(own);
+  study::StudyPlan plan = bench.plan();
+  EXPECT_ERROR(take_layouts(plan, run, kinds), Exit::usage,
+               "method single-focus has layout = \"autd3\", but the boards of --link own:X are the array openmpd");
+  for (study::PlanMethod& method : plan.methods)
+    method.layout_given = false;
+  take_layouts(plan, run, kinds);
+  EXPECT_EQ(plan.methods[1].layout, "openmpd");
+  for (const auto& [fault, told] :
+       {std::pair("no such boards: give --layout x",
+                  "in a study, --layout is `layout` of the [[method]] 'single-focus' in"),
+        {"too fast: use --dwell 12ms, or --method single-focus",
+         "in a study, --dwell is `dwell_ms` and --method is `method` of the [[method]] 'single-focus' in"}}) {
+    kinds.links[0].open = [text = std::string(fault)](const std::string&,
+                                                      const session::LinkSetting&) -> std::unique_ptr<session::Link> {
+      throw bad_usage(text);
+    };
+    EXPECT_ERROR(try_study_link(plan, run, kinds), Exit::usage, told);
+  }
+  std::vector<bool> told_to_move, moves;
+  kinds.links[0].open = [&, open = own.open](const std::string& argument, const session::LinkSetting& setting) {
+    told_to_move.push_back(setting.foci_move);
+    return open(argument, setting);
+  };
+  for (std::size_t m = 0; m < plan.methods.size(); ++m) {
+    plan.methods[m].dwell_s = 1e-3 * static_cast<double>(1 + m);
+    moves.push_back(!touch::stands_still(plan.methods[m].method));
+  }
+  try_study_link(plan, run, kinds);
+  EXPECT_EQ(told_to_move, moves);
+  run.rig = test::source_file("assets/rigs/paper.toml");
+  EXPECT_EQ((take_layouts(plan, run, kinds), plan.methods[1].layout), "paper") << "the rig's";
 }
 
 }  // namespace

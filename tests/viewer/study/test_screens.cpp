@@ -43,6 +43,25 @@ TEST(Screens, ButtonsAreApartAndInside) {
   }
 }
 
+/// Up to four in one row, up to eight in two, and more in up to four.
+TEST(Screens, ButtonsStandInRows) {
+  const std::vector<std::size_t> in_a_row{1, 2, 3, 4, 3, 3, 4, 4, 3, 3, 3, 3, 4, 4, 4, 4};
+  std::vector<std::size_t> found;
+  for (std::size_t answers = 1; answers <= in_a_row.size(); ++answers) {
+    // Row by row from the left: the second row is the first one's next.
+    const auto places = button_places(question(answers), 1280, 800);
+    std::size_t columns = 1;
+    while (columns < answers && places[columns].left > places[columns - 1].left)
+      ++columns;
+    found.push_back(columns);
+    for (std::size_t i = columns; i < answers; ++i) {
+      EXPECT_EQ(places[i].left, places[i - columns].left) << answers << " " << i;
+      EXPECT_GT(places[i].top, places[i - columns].bottom) << answers << " " << i;
+    }
+  }
+  EXPECT_EQ(found, in_a_row);
+}
+
 TEST(Screens, KeysAreThoseOfTheButtons) {
   std::set<std::string> keys;
   for (std::size_t i = 0; i < 16; ++i) {
