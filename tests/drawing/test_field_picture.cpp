@@ -79,45 +79,33 @@ TEST(FieldPicture, NothingIsCutOffWhateverItsShape) {
   }
 }
 
-/// The pixels that differ, from the first to the last along each axis. The pictures have one size.
-struct Difference {
-  std::uint32_t left, right, top, bottom;
-};
-Difference difference(const Pixels& a, const Pixels& b) {
-  Difference out{a.width, 0, a.height, 0};
-  EXPECT_EQ(a.rgba.size(), b.rgba.size());
-  for (std::uint32_t y = 0; y < std::min(a.height, b.height); ++y) {
-    for (std::uint32_t x = 0; x < std::min(a.width, b.width); ++x) {
-      if (std::equal(a.at(x, y), a.at(x, y) + 3, b.at(x, y))) continue;
-      out = {std::min(out.left, x), std::max(out.right, x), std::min(out.top, y), std::max(out.bottom, y)};
-    }
-  }
-  return out;
-}
-
 TEST(FieldPicture, EachTextIsBesideWhatItNames) {
   const std::vector<double> values{1, 2, 0, 1};
   const FieldPicture usual = picture_of(values, 2, {40, 40});
+  FieldPicture across = usual, upwards = usual;
+  across.right = "y";
+  across.title = "a tithe";
+  upwards.up = "y";
+  upwards.unit = "Pa, beak";
   const Pixels before = draw(usual);
-  const auto changed = [&](const auto& change) {
-    FieldPicture picture = usual;
-    change(picture);
-    return difference(before, draw(picture));
+  // Whether a part differs from what it was. Sides are shares of the picture, from the left and from the top.
+  const auto differs = [&](const Pixels& now, double left, double right, double top, double bottom) {
+    const auto of = [](double share, std::uint32_t whole) { return static_cast<std::uint32_t>(share * whole); };
+    for (std::uint32_t y = of(top, now.height); y < of(bottom, now.height); ++y) {
+      const auto first = of(left, now.width), last = of(right, now.width);
+      if (!std::equal(now.at(first, y), now.at(last - 1, y), before.at(first, y))) return true;
+    }
+    return false;
   };
-  const std::uint32_t wide = before.width, high = before.height;
-  const Difference right = changed([](FieldPicture& p) { p.right = "y"; });
-  EXPECT_GT(right.top, high * 9 / 10);
-  EXPECT_TRUE(right.left > wide / 4 && right.right < wide * 3 / 4) << right.left;
-  const Difference up = changed([](FieldPicture& p) { p.up = "y"; });
-  EXPECT_LT(up.right, wide / 10);
-  EXPECT_TRUE(up.top > high / 4 && up.bottom < high * 3 / 4) << up.top;
-  const Difference title = changed([](FieldPicture& p) { p.title = "a tithe"; });
-  EXPECT_LT(title.bottom, high / 20);
-  const Difference note = changed([](FieldPicture& p) { p.notes[0][0] = 'e'; });
-  EXPECT_TRUE(note.top > title.bottom && note.bottom < high / 10) << note.top;
-  const Difference unit = changed([](FieldPicture& p) { p.unit = "Pa, beak"; });
-  EXPECT_GT(unit.left, wide * 3 / 4);
-  EXPECT_LT(unit.bottom, high / 4);
+  for (const bool up : {false, true}) {
+    const Pixels now = draw(up ? upwards : across);
+    ASSERT_EQ(now.rgba.size(), before.rgba.size());
+    EXPECT_NE(differs(now, 0.2, 0.8, 0.9, 1), up) << "the axis to the right";
+    EXPECT_NE(differs(now, 0, 1, 0, 0.05), up) << "the title";
+    EXPECT_EQ(differs(now, 0, 0.08, 0.2, 0.8), up) << "the axis upwards";
+    EXPECT_EQ(differs(now, 0.75, 1, 0.05, 0.25), up) << "the colour bar";
+    EXPECT_FALSE(differs(now, 0.25, 0.7, 0.2, 0.8)) << "the map";
+  }
 }
 
 TEST(FieldPicture, SilenceIsDrawn) {

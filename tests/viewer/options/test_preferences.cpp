@@ -1,7 +1,7 @@
 // The settings that the viewer stores.
 #include <gtest/gtest.h>
 
-#include "support/captured.hpp"
+#include "base/log.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -57,7 +57,15 @@ TEST(Preferences, ThatCannotBeWrittenAreToldOnce) {
   PreferencesMemory memory(folder / "a file" / "viewer.toml");
   memory.begin({});
   Preferences now;
-  const auto told = [&] { return test::stderr_of([&] { memory.remember(now); }); };
+  log::drop_warnings();
+  log::Tail tail;
+  const auto told = [&] {
+    memory.remember(now);
+    std::string all;
+    for (const log::Line& line : tail.take())
+      all += line.text;
+    return all;
+  };
   EXPECT_EQ(told(), "") << "as before";
   now.window = WindowPlace{0, 0, 300, 200};
   now.recent = {"/cube.glb"};
