@@ -1,7 +1,6 @@
 #include "driver/autd3/board.hpp"
 
 #include <fmt/core.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -13,7 +12,6 @@
 #include "array/layouts/board_types.hpp"
 #include "array/layouts/changes.hpp"
 #include "base/error.hpp"
-#include "base/system/now.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/remote.hpp"
 #include "driver/fixed_text.hpp"
@@ -26,13 +24,6 @@ namespace {
 
 constexpr double open_patience_s = 3, close_patience_s = 0.5, retry_s = 1;
 
-/// The time of day when CLOCK_MONOTONIC shows 0.
-double day_at_zero_s() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec) - monotonic_s();
-}
-
 void check(const array::Layout& layout) {
   if (boards_of_type(layout, "autd3", transducers) == 0)
     throw bad_input("layout " + layout.name, "link autd3 drives AUTD3 units only, such as those of autd3 and paper");
@@ -44,31 +35,33 @@ const array::BoardType& type() {
 
 class Autd3Board final : public Board {
  public:
-  Autd3Board(const BoardSpec& spec, BoardNotes& notes)
+  /// `notes` and `clock` must outlive this object.
+  Autd3Board(const BoardSpec& spec, BoardNotes& notes, const Address& address, Clock& clock)
       : notes_(notes),
+        clock_(clock),
         divider_(divider_of(spec.slot_s)),
         changes_(array::changes_of(&type(), {.slot_s = spec.slot_s, .nulls = spec.nulls})),
         count_(spec.layout.transducers.size()),
         layout_(spec.layout),
         sound_speed_m_s_(spec.sound_speed_m_s),
-        remote_(resolve(spec.argument), spec.layout),
+        remote_(address, spec.layout),
         loading_(count_, session::most_cycle),
         newest_(count_, session::most_cycle),
         drive_(count_) {
     if (const auto why = array::why_fewer_steps(&type(), {.slot_s = spec.slot_s, .nulls = spec.nulls}); !why.empty())
       notes_.warning(why);
-    remote_.connect(monotonic_s());
-    double until_s = monotonic_s() + open_patience_s;
+    remote_.connect(clock_.now_s());
+    double until_s = clock_.now_s() + open_patience_s;
     for (bool told = false; !ready();) {
       if (remote_.closed()) throw failure(std::string(remote_.fault()));
-      if (remote_.waits_for_bus(monotonic_s())) {
-        until_s = monotonic_s() + open_patience_s;
+      if (remote_.waits_for_bus(clock_.now_s())) {
+        until_s = clock_.now_s() + open_patience_s;
         if (!std::exchange(told, true))
           notes_.waits(
               FixedText<120>("waiting up to {:g} s until the server has opened its bus", Remote::bus_patience_s)
                   .view());
       }
-      if (monotonic_s() >= until_s) throw failure(spec.argument + " does not answer in time");
+      if (clock_.now_s() >= until_s) throw failure(spec.argument + " does not answer in time");
       wait();
       advance();
     }
@@ -125,19 +118,19 @@ class Autd3Board final : public Board {
   }
 
   bool close() override {
-    const double until_s = monotonic_s() + close_patience_s;
+    const double until_s = clock_.now_s() + close_patience_s;
     retry_at_s_ = 0;
     while (!silent_ || (wipes_ && !all_silent_) || !remote_.idle()) {
-      if (monotonic_s() >= until_s) return false;
+      if (clock_.now_s() >= until_s) return false;
       wait();
       advance();
     }
     tell(plans_, "plans");
     tell(drives_, "drives");
-    remote_.say_goodbye(monotonic_s());
-    while (!remote_.closed() && monotonic_s() < until_s) {
+    remote_.say_goodbye(clock_.now_s());
+    while (!remote_.closed() && clock_.now_s() < until_s) {
       wait();
-      remote_.pump(monotonic_s());
+      remote_.pump(clock_.now_s());
     }
     return true;
   }
@@ -158,10 +151,7 @@ class Autd3Board final : public Board {
 
   bool ready() const { return stage_ == started && remote_.idle(); }
 
-  void wait() const {
-    pollfd one = remote_.watched();
-    poll(&one, 1, 5);
-  }
+  void wait() { clock_.wait_s(5e-3, remote_.watched()); }
 
   /// Allows for the time that the messages of a plan take before its first drive is heard.
   void allow_start(const Pattern& pattern) {
@@ -185,7 +175,7 @@ class Autd3Board final : public Board {
   /// Continues with what waits, until the devices have to answer.
   void advance() {
     while (true) {
-      const double now_s = monotonic_s();
+      const double now_s = clock_.now_s();
       if (remote_.closed()) {
         if (stage_ != started && !lost_) return;  // open() says why
         if (now_s < retry_at_s_) return;
@@ -230,7 +220,7 @@ class Autd3Board final : public Board {
       case Sent::silence:
       case Sent::gain:
         if (sent == Sent::gain) {
-          drives_.end();
+          drives_.end(clock_.now_s());
           tally_.drive_there();
         }
         segment_ ^= 1;
@@ -244,7 +234,7 @@ class Autd3Board final : public Board {
       case Sent::part:
         if (transition_) {
           segment_ ^= 1;
-          plans_.end();
+          plans_.end(clock_.now_s());
           tally_.there();
         }
         break;
@@ -302,7 +292,7 @@ class Autd3Board final : public Board {
     if (!drive_waits_) return false;
     if (modulated_hz_ != 0) return send_modulation(0);
     drive_waits_ = false;
-    drives_.begin();
+    drives_.begin(clock_.now_s());
     tally_.drive_sent();
     to_all([&](Message m, std::size_t first) {
       put_gain(m, segment_ ^ 1, std::span(drive_).subspan(first, transducers));
@@ -344,7 +334,7 @@ class Autd3Board final : public Board {
 
   bool send_modulation(double hz) {
     const ModulationSamples samples =
-        modulation_samples(hz, loading_.modulation(), loading_.begin_s(), day_at_zero_s(), monotonic_s());
+        modulation_samples(hz, loading_.modulation(), loading_.begin_s(), clock_.day_at_zero_s(), clock_.now_s());
     to_all([&](Message m, std::size_t) {
       put_modulation(m, modulation_segment_ ^ 1, samples.divider, std::span(samples.samples).first(samples.count));
     });
@@ -359,8 +349,8 @@ class Autd3Board final : public Board {
     if (hz != modulated_hz_ || (hz != 0 && loading_.modulation() != modulation_)) return send_modulation(hz);
     const std::uint32_t parts = loading_.parts();
     if (place_ == 0) {
-      plans_.begin();
-      turn_.follow(loading_.begin_s(), loading_.slot_s(), day_at_zero_s());
+      plans_.begin(clock_.now_s());
+      turn_.follow(loading_.begin_s(), loading_.slot_s(), clock_.day_at_zero_s());
     }
     const auto emissions = [&](std::uint32_t place, std::size_t first) {
       return loading_.part(turn_.part_at(place, parts)).subspan(first, transducers);
@@ -436,10 +426,10 @@ class Autd3Board final : public Board {
   struct Rate {
     std::uint64_t given = 0, through = 0;
     double begun_s = 0, all_s = 0;
-    void begin() { begun_s = monotonic_s(); }
-    void end() {
+    void begin(double now_s) { begun_s = now_s; }
+    void end(double now_s) {
       ++through;
-      all_s += monotonic_s() - begun_s;
+      all_s += now_s - begun_s;
     }
   };
   void tell(const Rate& rate, const char* what) {
@@ -450,6 +440,7 @@ class Autd3Board final : public Board {
   }
 
   BoardNotes& notes_;
+  Clock& clock_;
   std::uint16_t divider_;   ///< periods of a slot
   array::Changes changes_;  ///< what its silencer does
   std::size_t count_;
@@ -483,11 +474,17 @@ class Autd3Board final : public Board {
 
 }  // namespace
 
+std::unique_ptr<Board> open_board(const BoardSpec& spec, BoardNotes& notes, const Address& address, Clock& clock) {
+  check(spec.layout);
+  return std::make_unique<Autd3Board>(spec, notes, address, clock);
+}
+
 BoardKind board_kind() {
   BoardKind kind{"autd3", "autd3:HOST:PORT: AUTD3 units behind a server of the Remote protocol",
-                 [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
+                 [](const BoardSpec& spec, BoardNotes& notes) {
+                   static SteadyClock clock;
                    check(spec.layout);
-                   return std::make_unique<Autd3Board>(spec, notes);
+                   return open_board(spec, notes, resolve(spec.argument), clock);
                  },
                  true};
   kind.own_layout = [](const std::string&) { return std::string("autd3"); };

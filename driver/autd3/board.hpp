@@ -11,11 +11,20 @@
 // silences: a device that was left sounding is cleared before anything else.
 #pragma once
 
+#include <memory>
+
 #include "driver/board.hpp"
+#include "driver/clock.hpp"
 
 namespace palpa::driver::autd3 {
 
+struct Address;
+
 /// `autd3`.
 BoardKind board_kind();
+
+/// A board on the server at this address, in the time of that clock. Throws as BoardKind::open does. The clock must
+/// outlive it.
+std::unique_ptr<Board> open_board(const BoardSpec& spec, BoardNotes& notes, const Address& address, Clock& clock);
 
 }  // namespace palpa::driver::autd3

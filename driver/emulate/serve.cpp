@@ -25,7 +25,7 @@ std::vector<Violation> serve(const Options& options, const Emulator& emulator) {
   }
   std::size_t told = 0;
   emulator.serve(Stop::asked(), lock, [&](std::span<const std::uint8_t> bytes) {
-    if (trace) trace->bytes(emulator.now_s() - emulator.begin_s, bytes);
+    if (trace && !bytes.empty()) trace->bytes(emulator.now_s() - emulator.begin_s, bytes);
     tell_violations(options, since(emulator.begin_s, emulator.violations()), told);
   });
   if (view) view->end();

@@ -29,8 +29,8 @@ struct Emulator {
   /// The first violations. Called on the thread that takes the bytes, or when no more are taken.
   std::function<std::vector<Violation>()> violations;
   using Took = std::function<void(std::span<const std::uint8_t>)>;
-  /// Takes bytes until `stop`. Passes bytes to `took` before the emulated device takes them, and holds the lock while
-  /// it takes them.
+  /// Takes bytes until `stop`. Passes bytes to `took` before the emulated device takes them, and none every 20 ms while
+  /// none come. Holds the lock while the device takes them.
   std::function<void(const std::atomic<bool>& stop, std::mutex& lock, const Took& took)> serve;
 };
 

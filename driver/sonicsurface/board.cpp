@@ -18,7 +18,6 @@
 #include "base/error.hpp"
 #include "base/files/input_file.hpp"
 #include "base/system/descriptor.hpp"
-#include "base/system/now.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/lag.hpp"
 #include "driver/plan_tally.hpp"
@@ -84,9 +83,10 @@ void check_pace(const BoardSpec& spec, std::size_t boards) {
 
 class SonicSurface final : public Board {
  public:
-  /// `notes` must outlive this object.
-  SonicSurface(const BoardSpec& spec, BoardNotes& notes, const Port& port, std::size_t boards)
+  /// `notes` and `clock` must outlive this object.
+  SonicSurface(const BoardSpec& spec, BoardNotes& notes, Clock& clock, const Port& port, std::size_t boards)
       : notes_(notes),
+        clock_(clock),
         encoder_(boards, port.firmware, read_degrees(spec.files, boards * transducers),
                  port.lag.value_or(array::find_board_type("sonicsurface")->follower_lag)),
         line_(port.path),
@@ -160,11 +160,11 @@ class SonicSurface final : public Board {
   }
 
   bool close() override {
-    const double until_s = monotonic_s() + close_patience_s;
+    const double until_s = clock_.now_s() + close_patience_s;
     retry_at_s_ = 0;
-    while (!silent_ || sent_ < out_.size() || !line_.drained() || monotonic_s() < line_free_s_) {
-      if (monotonic_s() >= until_s) return false;
-      poll(nullptr, 0, 1);
+    while (!silent_ || sent_ < out_.size() || !line_.drained() || clock_.now_s() < line_free_s_) {
+      if (clock_.now_s() >= until_s) return false;
+      clock_.sleep_s(1e-3);
       pump();
     }
     return true;
@@ -190,7 +190,7 @@ class SonicSurface final : public Board {
     tally_.gone();
     on_its_way_ = Load::none;
     line_.drop();
-    line_free_s_ = monotonic_s();
+    line_free_s_ = clock_.now_s();
     say(off);
     silent_ = true;
     all_silent_ = own_are_all_ || off.size() == all_off_.size();
@@ -202,20 +202,20 @@ class SonicSurface final : public Board {
   void say(std::span<const std::uint8_t> bytes) {
     out_.assign(bytes.begin(), bytes.end());
     sent_ = 0;
-    line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
+    line_free_s_ = std::max(line_free_s_, clock_.now_s()) + seconds_of(bytes.size());
   }
   /// Queues bytes behind a silence that is on its way, because starting that again would only delay it.
   void say_more(std::span<const std::uint8_t> bytes) {
     out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(sent_));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
     sent_ = 0;
-    line_free_s_ = std::max(line_free_s_, monotonic_s()) + seconds_of(bytes.size());
+    line_free_s_ = std::max(line_free_s_, clock_.now_s()) + seconds_of(bytes.size());
   }
 
   /// Continues until the line is busy or there is nothing to do. Sets the timer for what comes next.
   void pump() {
     while (true) {
-      const double now_s = monotonic_s();
+      const double now_s = clock_.now_s();
       if (line_.gone() && !come_back(now_s)) return;
       if (sent_ < out_.size()) {
         sent_ += line_.write(std::span(out_).subspan(sent_));
@@ -278,7 +278,7 @@ class SonicSurface final : public Board {
 
   /// Whether bytes that should have left are still in this computer. More than that a serial port cannot know: its
   /// board never answers.
-  bool stuck() const { return monotonic_s() > line_free_s_ + late_s && (sent_ < out_.size() || !line_.drained()); }
+  bool stuck() const { return clock_.now_s() > line_free_s_ + late_s && (sent_ < out_.size() || !line_.drained()); }
 
   /// Called when the loaded data has left, according to the line's speed and to the kernel.
   void has_arrived() {
@@ -318,6 +318,7 @@ class SonicSurface final : public Board {
   static constexpr std::array<std::uint8_t, 1> swap_byte_{swap};
 
   BoardNotes& notes_;
+  Clock& clock_;
   Encoder encoder_;
   Line line_;
   Descriptor timer_;
@@ -378,14 +379,19 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count) {
   return degrees;
 }
 
+std::unique_ptr<Board> open_board(const BoardSpec& spec, BoardNotes& notes, Clock& clock) {
+  const Port port = parse_port(spec.argument);
+  const std::size_t boards = boards_of(spec.layout, port);
+  check_pace(spec, boards);
+  return std::make_unique<SonicSurface>(spec, notes, clock, port, boards);
+}
+
 BoardKind board_kind() {
   return {"sonicsurface",
           "sonicsurface:PORT[,tactile|,lag=PERIODS]: SonicSurface boards on a serial port",
-          [](const BoardSpec& spec, BoardNotes& notes) -> std::unique_ptr<Board> {
-            const Port port = parse_port(spec.argument);
-            const std::size_t boards = boards_of(spec.layout, port);
-            check_pace(spec, boards);
-            return std::make_unique<SonicSurface>(spec, notes, port, boards);
+          [](const BoardSpec& spec, BoardNotes& notes) {
+            static SteadyClock clock;
+            return open_board(spec, notes, clock);
           },
           true,
           true,

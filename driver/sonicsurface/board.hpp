@@ -7,11 +7,13 @@
 // two. A pattern that has changed is sent at most 16 times a second, in a pause of the modulation.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "driver/board.hpp"
+#include "driver/clock.hpp"
 
 namespace palpa::driver::sonicsurface {
 
@@ -24,5 +26,8 @@ std::vector<float> read_degrees(const std::string& folder, std::size_t count);
 
 /// The kind of board that `--link sonicsurface:...` names.
 BoardKind board_kind();
+
+/// A board in the time of that clock, which must outlive it. Throws as BoardKind::open does.
+std::unique_ptr<Board> open_board(const BoardSpec& spec, BoardNotes& notes, Clock& clock);
 
 }  // namespace palpa::driver::sonicsurface

@@ -15,7 +15,6 @@
 
 #include "driver/autd3/autd3_rig.hpp"
 #include "driver/sonicsurface/sonicsurface_rig.hpp"
-#include "support/begins.hpp"
 #include "support/files.hpp"
 #include "support/pseudo_terminal.hpp"
 #include "support/shared_data.hpp"
@@ -29,7 +28,7 @@ std::string state_of(const Autd3Rig& rig) {
   std::string text;
   for (const auto& [position, turn] : rig.server.poses())
     text += fmt::format("pose {} {}\n", fmt::join(position, " "), fmt::join(turn, " "));
-  const double now_s = driver::autd3::device_time_s();
+  const double now_s = rig.device_now_s();
   for (const auto& device : rig.server.devices()) {
     text += fmt::format("silencer {} {}\n", device.phase_steps(), device.intensity_steps());
     // A whole cycle of the pattern, and of the modulation.
@@ -91,19 +90,14 @@ TEST(BoardsBack, AnAutd3ServerThatComesBackHasTheStateOfANewOne) {
     prepare(rig);
     rig.open();
     played(rig);
-    const std::uint16_t port = rig.serving->port();
     const std::size_t before = rig.notes.warnings.size();
-    rig.serving.reset();
-    ASSERT_TRUE(begins([&] {
-      rig.board->tend();
-      return rig.notes.warnings.size() > before;
-    }));
+    rig.serving.end();
+    ASSERT_TRUE(rig.tend_until([&] { return rig.notes.warnings.size() > before; }));
     rig.server = driver::autd3::EmulatedServer(1);
-    rig.serving = std::make_unique<Autd3Serving>(rig.server, port);
+    rig.serving.listen();
     ASSERT_TRUE(rig.tend_until([&] { return rig.notes.warnings.size() > before + 1; }));
     EXPECT_CONTAINS(rig.notes.warnings.back(), "the server is back");
     played(rig);
-    const std::lock_guard held(rig.serving->lock), other(fresh.serving->lock);
     EXPECT_EQ(state_of(rig), state_of(fresh));
   }
 }
@@ -125,10 +119,7 @@ TEST(BoardsBack, ASerialBoardThatComesBackIsCalibratedAndModulatedAsANewOne) {
   rig.plan(200);
   vanishing.reset();
   std::filesystem::remove(port);
-  ASSERT_TRUE(begins([&] {
-    rig.board->tend();
-    return !rig.notes.warnings.empty();
-  }));
+  ASSERT_TRUE(rig.tend_until([&] { return !rig.notes.warnings.empty(); }));
   std::filesystem::create_symlink(rig.path(), port);
   ASSERT_TRUE(rig.tend_until([&] { return rig.notes.warnings.size() == 2; }));
   rig.plan(200);

@@ -49,7 +49,7 @@ bool UmockdevBus::works() {
 UmockdevBus::UmockdevBus(usb::Peripheral& peripheral, driver::Clock& clock)
     : peripheral_(peripheral), clock_(clock), testbed_(umockdev_testbed_new()), base_(umockdev_ioctl_base_new()) {
   GError* error = nullptr;
-  umockdev_testbed_add_from_string(testbed_, describe({3, 19, "0403", "6014", peripheral.identity().serial}).c_str(),
+  umockdev_testbed_add_from_string(testbed_, describe({"3", 19, "0403", "6014", peripheral.identity().serial}).c_str(),
                                    &error);
   expect_none(std::exchange(error, nullptr));
   g_signal_connect(base_, "handle-ioctl", G_CALLBACK(&UmockdevBus::asked), this);

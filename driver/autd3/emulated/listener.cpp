@@ -65,7 +65,10 @@ void Listener::serve(EmulatedServer& server, const std::atomic<bool>& stop, std:
   std::array<std::uint8_t, 65536> bytes{};
   std::vector<std::uint8_t> answer;
   while (!stop) {
-    if (!readable(socket_.get())) continue;
+    if (!readable(socket_.get())) {
+      if (heard) heard({});
+      continue;
+    }
     const Descriptor client(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     if (!client) continue;
     const int yes = 1;
@@ -75,7 +78,10 @@ void Listener::serve(EmulatedServer& server, const std::atomic<bool>& stop, std:
       server.client_came();
     }
     for (bool goes_on = true; goes_on && !stop;) {
-      if (!readable(client.get())) continue;
+      if (!readable(client.get())) {
+        if (heard) heard({});
+        continue;
+      }
       const ssize_t size = recv(client.get(), bytes.data(), bytes.size(), 0);
       if (size <= 0) break;
       const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));

@@ -24,7 +24,8 @@ class Listener {
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
 
   /// Serves one client after the other until `stop`, which it checks 50 times a second. `heard` gets the bytes before
-  /// the server takes them. `lock` is held while the server is used, so that other threads can look at it.
+  /// the server takes them, and no bytes at each check without any. `lock` is held while the server is used, so that
+  /// other threads can look at it.
   void serve(EmulatedServer& server, const std::atomic<bool>& stop, std::mutex& lock,
              const std::function<void(std::span<const std::uint8_t>)>& heard = {});
 

@@ -70,7 +70,10 @@ void Pty::serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mute
     pollfd one{master_.get(), POLLIN, 0};
     // If bytes wait, the line has not rested since the last ones, however late this thread comes to take them.
     rested = rested || poll(&one, 1, 0) == 0;
-    if (rested && poll(&one, 1, look_ms) <= 0) continue;
+    if (rested && poll(&one, 1, look_ms) <= 0) {
+      if (heard) heard({});
+      continue;
+    }
     const ssize_t size = read(master_.get(), bytes.data(), bytes.size());
     if (size <= 0) continue;
     const std::span<const std::uint8_t> came(bytes.data(), static_cast<std::size_t>(size));

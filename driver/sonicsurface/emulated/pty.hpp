@@ -21,7 +21,8 @@ class Pty {
   const std::string& path() const { return path_; }
 
   /// Passes incoming bytes to the boards at the speed of a serial port until `stop`, which it checks 50 times a second.
-  /// `heard` gets the bytes before the boards do. `lock` is held while the boards are used.
+  /// `heard` gets the bytes before the boards do, and no bytes at each check without any. `lock` is held while the
+  /// boards are used.
   void serve(EmulatedBoards& boards, const std::atomic<bool>& stop, std::mutex& lock,
              const std::function<void(std::span<const std::uint8_t>)>& heard = {}) const;
 

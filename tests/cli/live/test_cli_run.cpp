@@ -283,6 +283,11 @@ TEST(CliBench, MeasuresWhatLinksCost) {
   EXPECT_GT(rows[0]["value"], 0) << "% of a core";
   EXPECT_EQ(rows[1]["stage"], "drive to wire");
   EXPECT_GT(rows[1]["p99_ms"], 0);
+  // A board encodes what it sends, which takes nearly all of the time. The encoding that is measured alone is not in
+  // it.
+  if (!instrumented()) {
+    EXPECT_LT(rows[1]["min_ms"].get<double>(), 1.6 * rows[0]["min_ms"].get<double>());
+  }
 }
 
 using cli::run_line;

@@ -11,6 +11,7 @@
 #include "driver/autd3/emulated/server.hpp"
 #include "driver/autd3/pattern.hpp"
 #include "driver/autd3/wire.hpp"
+#include "support/thrown.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -207,6 +208,33 @@ TEST(Autd3Emulator, TakesRequestsHoweverTheyAreCut) {
     EXPECT_EQ(answer, expected) << cut;
     EXPECT_EQ(server.violation_count(), 0u);
   }
+}
+
+TEST(Autd3Emulator, EachProgramMustSayGoodbyeAndLeaveSilence) {
+  EmulatedServer server(1);
+  const auto program = [&](bool goodbye, bool sounds = false) {
+    std::vector<std::uint8_t> answer, bytes(hello_request.begin(), hello_request.end());
+    const auto opening = geometry(1);
+    bytes.insert(bytes.end(), opening.begin(), opening.end());
+    const std::size_t before = server.violation_count();
+    server.client_came();
+    EXPECT_TRUE(server.take(0, bytes, answer)) << "hello and geometry are asked of each";
+    if (sounds) {
+      Teller teller(server.devices()[0]);
+      teller.tell(put_clear_and_sync);
+      teller.tell([&](Message m) { put_gain(m, 1, some(1)); });
+    }
+    if (goodbye) {
+      EXPECT_FALSE(server.take(0, std::vector<std::uint8_t>{0x05}, answer));
+    }
+    server.client_left(0);
+    return server.violation_count() - before;
+  };
+  EXPECT_EQ(program(true), 0u);
+  EXPECT_EQ(program(false), 1u) << "after one that said goodbye";
+  EXPECT_EQ(program(true), 0u);
+  EXPECT_EQ(program(true, true), 1u);
+  EXPECT_CONTAINS(server.violations().back().what, "sound");
 }
 
 TEST(Autd3Emulator, RefusesRequestsOutOfOrder) {

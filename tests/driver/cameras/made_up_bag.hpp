@@ -74,8 +74,12 @@ struct MadeUpBag {
   std::vector<double> distortion{0, 0, 0, 0, 0};
   double fx = 40;
   std::string unit_topic = "/device_0/sensor_0/option/Depth_Units/value", more_topic = "/more";
-  float last_unit_m = 0;                           ///< given before the last image; 0: not given
-  bool lens = true, unit = true, another = false;  ///< what the bag has; `another`: a second depth camera
+  float last_unit_m = 0;          ///< given before the last image; 0: not given
+  bool lens = true, unit = true;  ///< what the bag has
+  /// A second depth camera, device_1, whose description and images are those of that bag; its images come first or
+  /// last.
+  const MadeUpBag* other = nullptr;
+  bool other_first = false;
   std::vector<double> times_s{0.1, 0.1333, 0.1667, 0.2};
 
   static std::uint16_t depth_of(std::size_t frame, std::uint32_t pixel) {
@@ -93,15 +97,11 @@ struct MadeUpBag {
     put_bytes(begin, describe(6, "/device_1/sensor_0/Depth_0/image/data"));
     put_bytes(begin, describe(7, "/device_1/sensor_0/Depth_0/info/camera_info"));
     put_bytes(begin, describe(8, more_topic));
+    put_bytes(begin, describe(9, "/device_1/sensor_0/Depth_0/info"));
+    put_bytes(begin, describe(10, "/device_1/sensor_0/option/Depth_Units/value"));
     Bytes number;
-    put(number, rate_hz);
-    put_text(number, encoding);
-    put_bytes(begin, message(0, 0, number));
-    if (lens) put_bytes(begin, message(1, 0, camera_info()));
-    if (another) put_bytes(begin, message(7, 0, camera_info()));
-    number.clear();
-    put(number, unit_m);
-    if (unit) put_bytes(begin, message(2, 0, number));
+    put_bytes(begin, description(0, 1, 2));
+    if (other) put_bytes(begin, other->description(9, 7, 10));
     put_bytes(begin, message(4, 0, {1, 2, 3}));
     const std::string magic = "#ROSBAG V2.0\n";
     Bytes out(magic.begin(), magic.end());
@@ -115,9 +115,11 @@ struct MadeUpBag {
         put(number, last_unit_m);
         put_bytes(frame, message(2, times_s[i], number));
       }
+      const Bytes others = other ? message(6, times_s[i], other->image(i + 20)) : Bytes();
+      if (other_first) put_bytes(frame, others);
       put_bytes(frame, message(3, times_s[i], image(i)));
       put_bytes(frame, message(5, times_s[i], {9, 9}));
-      if (another) put_bytes(frame, message(6, times_s[i], image(i + 20)));
+      if (!other_first) put_bytes(frame, others);
       put_bytes(out, chunk(frame));
       put_bytes(out, Record().field<std::uint8_t>("op", 4).field<std::uint32_t>("conn", 3).with(Bytes(12, 7)));
     }
@@ -135,6 +137,19 @@ struct MadeUpBag {
   static Bytes index() {
     Bytes out = describe(3, "/device_0/sensor_0/Depth_0/image/data");
     put_bytes(out, Record().field<std::uint8_t>("op", 6).with(Bytes(8, 7)));
+    return out;
+  }
+
+  /// The rate, the lens and the depth unit, in these connections.
+  Bytes description(std::uint32_t rate_at, std::uint32_t lens_at, std::uint32_t unit_at) const {
+    Bytes out, number;
+    put(number, rate_hz);
+    put_text(number, encoding);
+    put_bytes(out, message(rate_at, 0, number));
+    if (lens) put_bytes(out, message(lens_at, 0, camera_info()));
+    number.clear();
+    put(number, unit_m);
+    if (unit) put_bytes(out, message(unit_at, 0, number));
     return out;
   }
 

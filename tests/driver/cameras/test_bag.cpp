@@ -149,13 +149,42 @@ TEST(Bag, MissingPartsAreReportedOrRefused) {
   MadeUpBag bag;
   bag.unit = false;
   EXPECT_CONTAINS(said_of(bag.bytes(), 4), "palpa assumes 1 mm");
-  bag.another = true;
-  EXPECT_CONTAINS(said_of(bag.bytes(), 4), "several depth cameras");
-  bag.lens = bag.another = false;
+  bag.lens = false;
   EXPECT_REFUSED(play(bag.bytes()), "before the camera_info");
   bag = {};
   bag.times_s.clear();
   EXPECT_REFUSED(play(bag.bytes()), "has no depth of a RealSense");
+}
+
+TEST(Bag, OfSeveralCamerasTheOneWhoseImageIsFirstIsPlayedWithItsOwnLensUnitAndRate) {
+  MadeUpBag other;
+  other.width = 24;
+  other.height = 12;
+  other.unit_m = 0.0005f;
+  other.rate_hz = 15;
+  other.fx = 60;
+  MadeUpBag bag;
+  bag.other = &other;
+  for (const bool second : {false, true}) {
+    bag.other_first = second;
+    const std::string said = stderr_of([&] {
+      const auto source = open_bag(written(bag.bytes()), nullptr, false);
+      const sensing::Camera& found = source->cameras().at(0);
+      EXPECT_EQ(found.name, second ? "/device_1/sensor_0" : "/device_0/sensor_0");
+      EXPECT_EQ(std::pair(found.width, found.height), second ? std::pair(24u, 12u) : std::pair(16u, 8u));
+      EXPECT_EQ(std::pair(found.fx, found.cx), second ? std::pair(60.0, 12.0) : std::pair(40.0, 8.0));
+      EXPECT_EQ(found.depth_unit_m, second ? 0.0005 : 0.0001);
+      EXPECT_EQ(found.rate_hz, second ? 15 : 30);
+      sensing::FrameSet set;
+      for (std::size_t i = 0; i < bag.times_s.size(); ++i) {
+        ASSERT_TRUE(source->next(set, 0));
+        EXPECT_EQ(set.frames[0].depth.at(95), MadeUpBag::depth_of(second ? i + 20 : i, 95));
+      }
+      EXPECT_FALSE(source->next(set, 0));
+    });
+    EXPECT_CONTAINS(said, std::string("has several depth cameras; /device_") + (second ? "1" : "0") +
+                              "/sensor_0/Depth_0/image/data is played");
+  }
 }
 
 TEST(Bag, EveryFrameIsPlayedWhenItsClockSteps) {

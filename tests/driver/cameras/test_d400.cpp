@@ -33,7 +33,7 @@ using test::MadeUpCamera;
 
 void make_d400(MadeUpCamera& camera, D400Unit& held) {
   camera.node.vendor = 0x8086;
-  camera.offers = {{V4L2_PIX_FMT_Z16, 848, 480, 90}, {V4L2_PIX_FMT_Z16, 64, 48, 90}};
+  camera.offers = {{V4L2_PIX_FMT_Z16, 848, 480, 90}, {V4L2_PIX_FMT_Z16, 64, 48, 90}, {V4L2_PIX_FMT_Z16, 64, 48, 60}};
   camera.extension = [&held](auto unit, auto selector, auto query, auto* data, auto size) {
     if (unit != D400Unit::number) return -ENOENT;
     std::vector<std::uint8_t> bytes(data, data + size);
@@ -92,6 +92,7 @@ TEST(D400Several, EachIsSetUpAsItsOwnTableSaysAndAgainWhenItIsBack) {
   sensing::Camera left = d400, right = cameras::test::described("right", 64, 48, 50);
   left.depth_unit_m = 0.0002;
   left.device = {.exposure_s = 0.004, .preset = 3};
+  right.rate_hz = 60;
   right.device = {.own_lens = false, .exposure_s = 0, .preset = 5};
   for (const bool swapped : {false, true}) {
     Machine machine;
@@ -104,6 +105,8 @@ TEST(D400Several, EachIsSetUpAsItsOwnTableSaysAndAgainWhenItIsBack) {
       make_d400(*machine.plug(nodes[i], std::string(1, static_cast<char>('A' + i))), held[i]);
     std::unique_ptr<sensing::DepthSource> source;
     stderr_of([&] { source = open_cameras(machine.kernel(), wanted, nodes, "rig.toml"); });
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_EQ(source->cameras()[i].rate_hz, wanted[i].rate_hz) << i;
     const auto state = [](const D400Unit& unit) {
       return std::tuple(unit.depth_table, unit.automatic(), unit.exposure_us(), unit.preset());
     };
@@ -138,7 +141,21 @@ TEST_F(D400, AUnitThatItKeepsIsRefused) {
 
 TEST_F(D400, ACameraThatDoesNotAnswerHasTheRigsUnitWithAWarning) {
   camera->extension = nullptr;
-  EXPECT_CONTAINS(stderr_of([&] { open(d400); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
+  std::unique_ptr<sensing::DepthSource> source;
+  EXPECT_CONTAINS(stderr_of([&] { source = open(d400); }), "palpa assumes a depth unit of 0.1 mm, as rig.toml says");
+  const std::string said = stderr_of([&] {
+    sensing::FrameSet set;
+    machine.unplug("/dev/video0");
+    source->next(set, 0.1);
+    const auto again = machine.plug("/dev/video0", "A");
+    make_d400(*again, held);
+    again->extension = nullptr;
+    for (int i = 0; i < 20; ++i)
+      source->next(set, 0.1);
+    EXPECT_FALSE(set.frames.empty());
+  });
+  EXPECT_CONTAINS(said, "is back");
+  EXPECT_EQ(said.find("assumes"), std::string::npos) << "told once: " << said;
 }
 
 TEST_F(D400, ItIsAskedAgainWhileItIsBusy) {
@@ -225,7 +242,13 @@ TEST_F(D400, ExposureAndPresetAreSetWhereTheRigSaysSo) {
   open(wanted);
   EXPECT_TRUE(held.automatic());
   camera->node.vendor = 0x1234;
-  EXPECT_CONTAINS(refusal(wanted), "is not a RealSense on USB: calibration");
+  for (const sensing::DeviceSetting& each :
+       {wanted.device, {.own_lens = true}, sensing::DeviceSetting{.exposure_s = 0}, {.preset = 0}}) {
+    wanted.device = each;
+    EXPECT_CONTAINS(refusal(wanted), "is not a RealSense on USB: calibration");
+  }
+  wanted.device = {};
+  open(wanted);
 }
 
 TEST(CameraDoctor, TellsOfCoarseUnitsSharedControllersSlowPortsAndMissingRights) {

@@ -365,7 +365,10 @@ TEST(RealSense, EachOfUnlikeCamerasIsSetUpAsItsOwnTableSays) {
       EXPECT_EQ(camera.streamed.rate_hz, own.rate_hz);
       EXPECT_EQ(found.name, own.name);
       EXPECT_EQ(found.depth_unit_m, own.depth_unit_m);
-      EXPECT_EQ(found.fx, own.device.own_lens ? camera.lens.fx : own.fx);
+      const cameras::Lens lens =
+          own.device.own_lens ? camera.lens : cameras::Lens{own.fx, own.fy, own.cx, own.cy, own.distortion};
+      EXPECT_EQ((cameras::Lens{found.fx, found.fy, found.cx, found.cy, found.distortion}), lens);
+      EXPECT_DOUBLE_EQ(found.rate_hz, own.rate_hz);
       const auto set = [&](Option option) {
         const auto at = std::ranges::find(camera.set, option, &std::pair<Option, double>::first);
         return at == camera.set.end() ? -1 : at->second;
@@ -393,6 +396,24 @@ TEST(RealSense, EachOfUnlikeCamerasIsSetUpAsItsOwnTableSays) {
     });
     if (!std::ranges::next_permutation(order).found) break;
   }
+}
+
+TEST(RealSense, AnUnknownDepthUnitIsToldOnceEvenIfTheCameraComesBack) {
+  OneCamera one;
+  one.camera.options.erase(Option::depth_unit_m);
+  EXPECT_CONTAINS(stderr_of([&] { one.begin(); }), "does not report its depth unit; palpa assumes 0.1 mm");
+  ASSERT_GT(one.next(), 0u);
+  one.unplug("A");
+  const std::string said = stderr_of([&] {
+    for (int i = 0; i < 15; ++i)
+      one.source->next(one.set, 0.1);
+    one.camera.plugged = true;
+    for (int i = 0; i < 30; ++i)
+      one.source->next(one.set, 0.1);
+  });
+  EXPECT_EQ(one.camera.starts, 2u);
+  EXPECT_CONTAINS(said, "is back");
+  EXPECT_EQ(said.find("assumes"), std::string::npos) << said;
 }
 
 TEST(RealSense, ShortFramesAreLeftOutAndTheirMemoryIsGivenBack) {

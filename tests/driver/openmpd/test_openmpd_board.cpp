@@ -92,7 +92,9 @@ TEST(OpenMpdBoard, ASlaveWithoutAFileGetsItsPhasesEarlierByItsLag) {
       for (const array::TransducerDrive& one : heard)
         ASSERT_NEAR(std::remainder(one.phase, 2 * pi), 0, pi / 128 + 1e-5) << argument << file << board;
     }
-    const auto tells = [](const std::string& line) { return line.find("has no file") != line.npos; };
+    const auto tells = [](const std::string& line) {
+      return line.find("board EMU2 has no file") != line.npos && line.find("than the master EMU1,") != line.npos;
+    };
     EXPECT_EQ(static_cast<std::size_t>(std::ranges::count_if(rig.notes.infos, tells)), told) << argument << file;
   }
   for (const char* wrong : {"EMU1,EMU2,lag=1", "EMU1,EMU2,lag=-0.1", "EMU1,EMU2,lag=", "EMU1,lag=x"})

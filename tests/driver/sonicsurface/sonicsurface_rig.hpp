@@ -1,8 +1,12 @@
-// Emulated SonicSurface boards on a pseudo terminal, and a board on it as its guard has it.
+// Emulated SonicSurface boards on a pseudo terminal, in real time or in a test's own time; and a board on it as its
+// guard has it.
 #pragma once
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <poll.h>
+#include <pty.h>
+#include <termios.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -12,12 +16,14 @@
 #include <memory>
 #include <mutex>
 #include <numbers>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
 
-#include "base/system/now.hpp"
+#include "base/system/descriptor.hpp"
 #include "driver/rig_parts.hpp"
+#include "driver/served_clock.hpp"
 #include "driver/sonicsurface/board.hpp"
 #include "driver/sonicsurface/emulated/boards.hpp"
 #include "driver/sonicsurface/emulated/pty.hpp"
@@ -25,7 +31,7 @@
 
 namespace palpa::test {
 
-/// One board on a serial line, which sounds from power-up.
+/// One board on a serial line, which sounds from power-up, in real time.
 class SonicSurfaceLine {
  public:
   SonicSurfaceLine() : thread_([this] { pty_.serve(machine, stop_, lock); }) {}
@@ -79,16 +85,37 @@ inline bool sounds_as(const driver::sonicsurface::EmulatedBoards& machine, std::
   return std::abs(off) * steps < 0.55;  // the secondary's lag is not a whole number of steps
 }
 
-/// A line, and a board on it as its guard has it.
-struct SonicSurfaceRig : SonicSurfaceLine {
+/// A line that carries bytes at the speed of its port while a clock passes, and a board on it as its guard has it. Only
+/// a pseudo terminal has the kernel's part of a line; one that is read finds all that was written.
+struct SonicSurfaceRig {
+  driver::sonicsurface::EmulatedBoards machine{1, false};
+  ServedClock clock{[this] { serve(); }};
+  bool takes = true;  ///< else an adapter that hangs
   array::Layout layout = array::load_layout("sonicsurface");
-  std::string argument = path(), files;
+  std::string argument, files;
   KeptNotes notes;
   std::unique_ptr<driver::Board> board;
   array::Drive drive = some_drive(1), silence = array::Drive(driver::sonicsurface::transducers, {0.0f, 0.0f});
 
+  SonicSurfaceRig() {
+    int master = -1, slave = -1;
+    std::array<char, 64> name{};
+    EXPECT_EQ(openpty(&master, &slave, name.data(), nullptr, nullptr), 0);
+    master_ = Descriptor(master);
+    slave_ = Descriptor(slave);  // stays open, because the last one that closes it takes what was not read yet
+    termios raw{};
+    tcgetattr(master, &raw);
+    cfmakeraw(&raw);
+    tcsetattr(master, TCSANOW, &raw);
+    fcntl(master, F_SETFL, O_NONBLOCK);
+    path_ = argument = name.data();
+  }
+  SonicSurfaceRig(const SonicSurfaceRig&) = delete;
+  SonicSurfaceRig& operator=(const SonicSurfaceRig&) = delete;
+
+  const std::string& path() const { return path_; }
   std::unique_ptr<driver::Board> make(double slot_s, bool foci_move) {
-    return driver::sonicsurface::board_kind().open({argument, files, layout, slot_s, foci_move}, notes);
+    return driver::sonicsurface::open_board({argument, files, layout, slot_s, foci_move}, notes, clock);
   }
   /// For foci that move, slow enough for a frame each.
   void open() { board = make(12e-3, true); }
@@ -96,30 +123,27 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   void open_still() { board = make(1.5e-3, false); }
   void plan(double hz) {
     const session::Cycle cycle{.plays = session::Plays::pattern, .length = 1, .modulation_hz = hz};
-    board->plan({{{100, 1000000, cycle}, monotonic_s(), 1.5e-3}, drive});
+    board->plan({{{100, 1000000, cycle}, clock.now_s(), 1.5e-3}, drive});
   }
-  /// Does what a guard does between drives: waits for what the board watches, 5 ms at most.
+  /// As a guard does between drives.
   template <typename Done>
   bool tend_until(const Done& done) {
-    return begins([&] {
-      std::array<pollfd, 2> fds{};
-      const auto watched = board->watched();
-      std::copy(watched.begin(), watched.end(), fds.begin());
-      poll(fds.data(), watched.size(), 5);
+    return clock.passes_until([&] {
       board->tend();
-      const std::lock_guard held(lock);
       return done();
     });
   }
   /// Waits until nothing comes on the line for a tenth of a second.
   bool comes_to_rest() {
     std::uint64_t bytes = 0;
-    double since_s = monotonic_s();
+    double since_s = clock.now_s();
     return tend_until([&] {
-      if (std::exchange(bytes, machine.bytes()) != machine.bytes()) since_s = monotonic_s();
-      return monotonic_s() - since_s > 0.1;
+      if (std::exchange(bytes, machine.bytes()) != machine.bytes()) since_s = clock.now_s();
+      return clock.now_s() - since_s > 0.1;
     });
   }
+  /// Both of its buffers.
+  bool silent() const { return machine.all_silent() && machine.all_silent_behind(); }
   bool becomes_silent() {
     return tend_until([this] { return silent(); });
   }
@@ -135,8 +159,7 @@ struct SonicSurfaceRig : SonicSurfaceLine {
   void expect_silent_end() {
     EXPECT_TRUE(board->close());
     board.reset();
-    EXPECT_TRUE(falls_silent());
-    const std::lock_guard held(lock);
+    EXPECT_TRUE(clock.passes_until([this] { return silent(); }));
     EXPECT_EQ(machine.violations().count(), 0u) << machine.violations().kept()[0].what;
   }
   /// Turns everything off first.
@@ -144,6 +167,28 @@ struct SonicSurfaceRig : SonicSurfaceLine {
     board->all_off();
     expect_silent_end();
   }
+
+ private:
+  /// Takes the bytes that have had time to come since the last ones.
+  void serve() {
+    const double now_s = clock.now_s();
+    if (!takes) return;
+    std::array<std::uint8_t, 4096> bytes{};
+    const auto most = static_cast<std::size_t>((now_s - taken_s_) / driver::sonicsurface::seconds_of(1));
+    const ssize_t size = most == 0 ? 0 : read(master_.get(), bytes.data(), std::min(most, bytes.size()));
+    if (size > 0) {
+      termios setting{};
+      tcgetattr(master_.get(), &setting);
+      machine.set_baud(now_s, cfgetospeed(&setting) == B230400 ? 230400 : 0);
+      machine.take(now_s, std::span(bytes).first(static_cast<std::size_t>(size)));
+      taken_s_ += driver::sonicsurface::seconds_of(static_cast<std::size_t>(size));
+    }
+    if (size < static_cast<ssize_t>(most)) taken_s_ = now_s;  // the line has rested
+  }
+
+  Descriptor master_, slave_;
+  std::string path_;
+  double taken_s_ = 0;
 };
 
 }  // namespace palpa::test
