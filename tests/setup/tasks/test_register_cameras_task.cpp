@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <memory>
 #include <numbers>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/random.hpp"
@@ -191,6 +195,49 @@ TEST(RegisterCameras, OneWrongTouchIsLeftOutAndNamed) {
   touches = person.touch(8);
   touches[2].focus_m += Vec3(0.004, 0, 0);
   EXPECT_FALSE(setup::register_camera(person.camera(), touches, person.layout).wrong);
+}
+
+TEST(RegisterCameras, WhatACameraIgnoresOrCannotSeeOrSawWithoutAHandIsNoHand) {
+  const Person person;
+  sensing::Camera camera = person.camera();
+  camera.min_range_m = 0.1;
+  const std::uint32_t w = camera.width, h = camera.height;
+  const auto rays = sensing::make_rays({&camera, 1});
+  const auto raw = [&](double m) { return static_cast<std::uint16_t>(std::lround(m / camera.depth_unit_m)); };
+  // A hand, and a thing beside it.
+  const sensing::PixelBox hand{w / 2, h / 2, w / 2 + 40, h / 2 + 30}, thing{20, 30, 120, 90};
+  const auto fill = [&](auto& pixels, const sensing::PixelBox& box, auto value) {
+    for (std::uint32_t v = box.y0; v < box.y1; ++v)
+      std::fill_n(pixels.begin() + static_cast<std::ptrdiff_t>(std::size_t{v} * w + box.x0), box.x1 - box.x0, value);
+  };
+  const auto image = [&](double hand_m, double thing_m) {
+    std::vector<std::uint16_t> depth(std::size_t{w} * h, 0);
+    fill(depth, hand, raw(hand_m));
+    fill(depth, thing, raw(thing_m));
+    return depth;
+  };
+  const auto points = [&](const sensing::Camera& by, double thing_m) {
+    return sensing::hand_points(by, rays, image(0.3, thing_m));
+  };
+  const std::vector<Vec3> alone = points(camera, 0);
+  constexpr std::size_t more = 98 * 58;  // without its silhouette
+  ASSERT_EQ(alone.size(), 38u * 28u);
+  EXPECT_EQ(points(camera, 0.3).size(), alone.size() + more);
+  EXPECT_EQ(points(camera, 1).size(), alone.size() + more);
+  EXPECT_TRUE(points(camera, 1.002) == alone) << "too far";
+  EXPECT_EQ(points(camera, 0.1).size(), alone.size() + more);
+  EXPECT_TRUE(points(camera, 0.098) == alone) << "too near";
+  sensing::Camera boxed = camera, masked = camera, empty = camera;
+  boxed.roi = sensing::PixelBox{121, 0, w, h};
+  sensing::Mask mask{.file = "", .pixels = std::vector<std::uint8_t>(std::size_t{w} * h, 1)};
+  fill(mask.pixels, thing, std::uint8_t{0});
+  masked.mask = std::make_shared<const sensing::Mask>(std::move(mask));
+  empty.background = std::make_shared<const sensing::Background>(
+      sensing::Background{.file = "", .depth = image(0.4, 0.5), .margin_m = 5e-3});
+  EXPECT_TRUE(points(boxed, 0.5) == alone);
+  EXPECT_TRUE(points(masked, 0.5) == alone);
+  EXPECT_TRUE(points(empty, 0.5) == alone);
+  EXPECT_GT(points(empty, 0.49).size(), alone.size()) << "nearer than the background";
 }
 
 TEST(RegisterCameras, EachOfSeveralCamerasHasItsOwnLens) {
