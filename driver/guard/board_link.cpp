@@ -14,6 +14,7 @@
 #include "base/system/now.hpp"
 #include "base/system/real_time.hpp"
 #include "driver/guard/guard.hpp"
+#include "driver/guard/patience.hpp"
 #include "driver/guard/process.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/real_time_service.hpp"
@@ -25,7 +26,6 @@ namespace {
 constexpr double open_s = 10;       // a board that was left in an unknown state takes seconds to come back
 constexpr double slow_open_s = 40;  // if the guard has said that it waits for a bus
 constexpr double exit_s = 1;
-constexpr double hang_s = 1;
 constexpr double most_slot_s = heartbeat_s / 2;  // a longer slot would be silenced between two drives
 
 class BoardLink final : public session::Link {
@@ -109,13 +109,9 @@ class BoardLink final : public session::Link {
     if (!listen() || !there || hangs(committed.unread)) end_without_guard();
   }
 
-  /// Whether the guard has taken nothing for too long, and must be killed: it is stopped or hangs. A step counts as two
-  /// slots at most, so that a loop that was stopped together with the guard does not blame the guard.
+  /// Whether the guard has taken nothing for too long. If so, kills it.
   bool hangs(bool unread) {
-    const double now_s = monotonic_s();
-    const double step_s = std::min(now_s - std::exchange(sent_s_, now_s), 2 * brief_.board.slot_s);
-    unread_s_ = unread ? unread_s_ + step_s : 0;
-    if (unread_s_ < hang_s) return false;
+    if (!patience_.ends(unread, monotonic_s())) return false;
     guard_->kill();
     hung_ = true;
     return true;
@@ -167,7 +163,7 @@ class BoardLink final : public session::Link {
 
   std::string how_it_ended(const GuardProcess::Exit& exit) const {
     if (!exit.ended) return "palpa-guard does not answer";
-    if (hung_) return fmt::format("palpa-guard took no drive for {} s", hang_s);
+    if (hung_) return fmt::format("palpa-guard took no drive for {} s", Patience::most_s);
     if (exit.by_signal != 0) return fmt::format("signal {} ended palpa-guard", exit.by_signal);
     return fmt::format("palpa-guard ended with exit code {}", exit.code);
   }
@@ -205,7 +201,7 @@ class BoardLink final : public session::Link {
   std::optional<GuardProcess> guard_;
   session::Carried carried_;                    ///< of a guard that is gone
   MessageKind last_word_ = MessageKind::drive;  ///< from the guard; none yet
-  double sent_s_ = monotonic_s(), unread_s_ = 0;
+  Patience patience_{brief_.board.slot_s, monotonic_s()};
   bool opens_slowly_ = false;
   bool hung_ = false;                                         ///< the guard, and was killed
   double until_s_ = std::numeric_limits<double>::infinity();  ///< the newest plan (or drives) may sound until then

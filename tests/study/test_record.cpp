@@ -376,7 +376,11 @@ TEST_F(RecordTest, AWithdrawalLeavesATombstoneOnly) {
   const Study read = study();
   EXPECT_EQ(read.participants.size(), 1u);
   EXPECT_CONTAINS(read.left_out[0], "the participant withdrew");
-  EXPECT_TRUE(withdraw(folder_, 1).before);
+  const std::string tombstone = read_text(file("sub-01_withdrawn.json"));
+  const Withdrawal again = withdraw(folder_, 1);
+  EXPECT_TRUE(again.before);
+  EXPECT_EQ(again.files, 0u);
+  EXPECT_EQ(read_text(file("sub-01_withdrawn.json")), tombstone);
   EXPECT_REFUSED(withdraw(folder_, 3), "has no participant 3");
 }
 

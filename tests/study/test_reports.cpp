@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "study/comparison.hpp"
@@ -24,6 +25,16 @@ namespace {
 using nlohmann::json;
 using test::occurrences;
 
+/// The first row of every table, and the first cell of every other row, are heads, and nothing else is.
+void expect_heads(const std::string& html) {
+  for (std::size_t at = html.find("<tr>"); at != std::string::npos; at = html.find("<tr>", at + 1)) {
+    const std::string row = html.substr(at + 4, html.find("</tr>", at) - at - 4);
+    const bool first = std::string_view(html).substr(0, at).ends_with("</caption>\n");
+    EXPECT_TRUE(row.starts_with("<th>")) << row;
+    EXPECT_EQ(occurrences(row, first ? "<td>" : "<th>"), first ? 0u : 1u) << row;
+  }
+}
+
 /// Every element ends, nothing is loaded from elsewhere, and no number is missing.
 void expect_page(const std::string& html) {
   EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
@@ -33,6 +44,7 @@ void expect_page(const std::string& html) {
               occurrences(html, "</" + element + ">"))
         << element;
   }
+  expect_heads(html);
   for (const char* foreign : {"<script", "src=", "href=", "url(", "nan", "inf\""})
     EXPECT_EQ(html.find(foreign), std::string::npos) << foreign;
 }

@@ -28,6 +28,7 @@
 #include "driver/guard/brief.hpp"
 #include "driver/guard/channel.hpp"
 #include "driver/guard/guard.hpp"
+#include "driver/guard/patience.hpp"
 #include "driver/rig_parts.hpp"
 #include "guard_rig.hpp"
 #include "support/begins.hpp"
@@ -457,6 +458,28 @@ TEST(GuardTime, ADriveThatNobodyFollowsUpEndsWithItsPlan) {
   EXPECT_FALSE(is_overdue(until_s + 0.5, until_s + 0.48, until_s, 0.02)) << "slots of 20 ms";
   EXPECT_FALSE(is_overdue(52, 51.95, 60, slot_s)) << "a long hold";
   EXPECT_TRUE(is_overdue(52.051, 51.95, 60, slot_s)) << "of which no more than the heartbeat is waited for";
+}
+
+TEST(GuardTime, ShortStallsDoNotAddUpAndOneOfASecondEndsIt) {
+  constexpr double slot_s = 1.5e-3, long_s = 40e-3;
+  double now_s = 70;
+  Patience patience(slot_s, now_s);
+  // How many drives end it, if it takes none; 0: not even `most`.
+  const auto drives_until_it_ends = [&](double step_s, int most) {
+    for (int i = 1; i <= most; ++i) {
+      if (patience.ends(true, now_s += step_s)) return i;
+    }
+    return 0;
+  };
+  for (int stall = 0; stall < 20; ++stall) {
+    EXPECT_EQ(drives_until_it_ends(slot_s, 600), 0) << "0.9 s";
+    EXPECT_FALSE(patience.ends(false, now_s += slot_s)) << stall;
+  }
+  EXPECT_NEAR(drives_until_it_ends(slot_s, 2000), 1 / slot_s, 1);
+  patience.ends(false, now_s += 5);
+  EXPECT_NEAR(drives_until_it_ends(5, 2000), 0.5 / slot_s, 1) << "a loop that was stopped for 5 s each time";
+  Patience with_long_slots(long_s, now_s);
+  EXPECT_FALSE(with_long_slots.ends(true, now_s + 5));
 }
 
 TEST(GuardPlan, EndsWhereItsLastSlotDoes) {

@@ -130,9 +130,12 @@ TEST(OpenMpdBoardFile, FaultsNameFileAndLine) {
            // Files that are no board's are not shown.
            {"S1\n128\n128\n", "line 2: expected the number of transducers"},
            {"S1\n256\n64\n", "line 3: expected the number of phase steps"},
-           {board_file_text("S1", {}, 0.001), "line 4: transducer 0 is at"},
-           {board_file_text("S1", {}, 0, 1), "wired to pin"},
-           {with_last("x.0"), "x.000000"},
+           {board_file_text("S1", {}, 0.001),
+            "line 4: transducer 0 is at -0.07775 m; on an OpenMPD board it is at -0.07875 m"},
+           {board_file_text("S1", {}, 0, 1),
+            "line 5: transducer 0 is wired to pin 250; on an OpenMPD board it is wired to pin 249"},
+           {with_last("x.0"),
+            "expected the amplitude factor of transducer 255, a number from 0 to 1; found \"x.000000\""},
            {with_last("2.0"), "amplitude factor of transducer 255"},
            {board_file_text("S1", wild), "phase offset of transducer 0"}}) {
     write_text(file, text);
