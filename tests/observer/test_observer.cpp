@@ -87,6 +87,26 @@ TEST(IdealObserver, OneCloseShapeTakesTheErrors) {
   EXPECT_GT(decisions.shares[8], 0.999);
 }
 
+TEST(IdealObserver, LikelyDepthsCountMoreThanUnlikelyOnes) {
+  // Two shapes that feel alike, but what is felt at the likely depth of one is felt at the unlikely depth of the other.
+  // The answer is the shape whose likely touch is the nearer one, at a distance of one sigma from the middle:
+  // right in 0.9 Phi(1) + 0.1 (1 - Phi(1)) of the touches.
+  for (const Placement placement : {Placement::known, Placement::unknown}) {
+    for (const std::vector<double>& weights : {std::vector{0.9, 0.1}, {0.1, 0.9}}) {
+      Templates templates{
+          .shapes = 2, .placements = 3, .node_weights = weights, .products = {}, .placement = placement};
+      const auto place = [](std::size_t t) { return t / 6 == t % 2 ? 0.0 : 2.0; };
+      for (std::size_t a = 0; a < 12; ++a) {
+        for (std::size_t b = 0; b < 12; ++b)
+          templates.products.push_back(place(a) * place(b));
+      }
+      const Decisions decisions = Observer(templates, normals_of(templates)).decide(1);
+      EXPECT_NEAR(decisions.accuracy, 0.7730757969, 0.003) << weights[0];
+      EXPECT_NEAR(decisions.shares[1], 1 - 0.7730757969, 0.004) << weights[0];
+    }
+  }
+}
+
 TEST(IdealObserver, IdenticalShapesShareTheAnswers) {
   // Shapes that feel the same, alone and beside others.
   const Templates none = equal_distances(0, Placement::unknown);

@@ -121,3 +121,17 @@ def test_places_and_axes_of_a_layout(tmp_path):
     for wrong in ({"place": (10.0001, 0.0, 0.0)}, {"axis": (0.0, 0.0, 1.0011)}, {"turn": (0.9989, 0.0, 0.0, 0.0)}):
         with pytest.raises(palpa.Error):
             read(**wrong)
+
+
+def test_of_places():
+    def plane(value, size=(0.1, 0.1)):
+        return palpa.plane("xz", size=size, pixels=value)
+    for pixels in ((1, 1), (1, 65536), (65536, 1)):
+        assert plane(pixels).shape == pixels[::-1] and len(plane(pixels)) == pixels[0] * pixels[1]
+    for wrong in (0, 65537, 1.5, -1):
+        for pixels in ((wrong, 2), (2, wrong)):
+            expect((), (pixels,), "from 1 to 65536", plane)
+    expect((), (0, math.nextafter(0, -1), math.inf), "size", lambda value: plane((2, 2), (0.1, value)))
+    for samples in (2, 3):
+        assert len(palpa.line([0, 0, 0], [0, 0, 0.1], samples=samples)) == samples
+    expect((), (0, 1), "at least 2 samples", lambda value: palpa.line([0, 0, 0], [0, 0, 0.1], samples=value))

@@ -298,6 +298,31 @@ TEST_F(Follow, ALongCrossSectionsAxesAreThePrincipalOnesWithoutFlips) {
   }
 }
 
+/// Frames in which the contacts are one point have no directions.
+TEST_F(Follow, AxesOutlastFramesInWhichAFingerIsAPoint) {
+  Finger point = finger_at({0, 0, 0});
+  point.point_like = true;
+  point.section.eigenvalues = {0, 0, 0};
+  double time_s = 0;
+  const auto axes = [&](const Finger& finger) {
+    return sequence_.frame({finger}, time_s += frame_90).fingers[0].section.axes;
+  };
+  for (int points = 0; points < 4; ++points) {
+    sequence_.forget();
+    // A point has no axes to keep, so a finger that begins as one takes the first that it has.
+    for (int i = 0; i < points; ++i)
+      axes(point);
+    const Finger first = with_axes({0, 1, 0}, 0.2 + points, 16e-6F, 15.9e-6F);
+    const auto before = axes(first);
+    EXPECT_EQ(before, first.section.axes) << points;
+    for (int i = 0; i < points; ++i)
+      axes(point);
+    const auto after = axes(with_axes({0, 1, 0}, 1.4 + points, 16e-6F, 15.9e-6F));
+    EXPECT_LT(angle_between(before[0], after[0]), 1e-3) << points;
+    EXPECT_LT(angle_between(before[2], after[2]), 1e-3) << points;
+  }
+}
+
 TEST_F(Follow, AxesSettleGentlyWhenACrossSectionBecomesLong) {
   sequence_.frame({with_axes({0, 1, 0}, 0, 16e-6F, 15.9e-6F)}, 0);
   glm::vec3 w1 = sequence_.frame({with_axes({0, 1, 0}, 0, 16e-6F, 15.9e-6F)}, frame_90).fingers[0].section.axes[0];
