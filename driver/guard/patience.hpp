@@ -10,7 +10,7 @@ class Patience {
  public:
   static constexpr double most_s = 1;
 
-  /// Of a loop that sends a drive in every slot, from `now_s` on. All times are on one clock.
+  /// The loop sends a drive in every slot after `now_s`. All times are on one clock.
   Patience(double slot_s, double now_s) : slot_s_(slot_s), sent_s_(now_s) {}
 
   /// Whether the guard must be killed. A drive was sent at `now_s`; `unread`: the guard had not taken the one before. A
