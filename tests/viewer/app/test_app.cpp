@@ -14,6 +14,7 @@
 #include "support/files.hpp"
 #include "support/shapes.hpp"
 #include "support/thrown.hpp"
+#include "viewer/app/keys.hpp"
 #include "viewer/app/pick.hpp"
 #include "viewer/picture/field_marks.hpp"
 
@@ -197,6 +198,23 @@ TEST_F(LiveApp, ASwitchThatIsHeldDownIsThrownOnce) {
   const double before = app_->data().state.time.slots_per_s;
   send({.kind = Kind::key, .key = key_of('-'), .repeat = true});
   EXPECT_LT(app_->data().state.time.slots_per_s, before) << "slower and slower";
+}
+
+/// Each key, whatever it does: those that step something go on, and no others.
+TEST(Keys, StepWhileTheyAreHeldDown) {
+  int steps = 0;
+  for (int character = 1; character < 128; ++character) {
+    const WindowEvent event{
+        .kind = WindowEvent::Kind::key, .key = key_of(static_cast<char>(character)), .repeat = true};
+    PanelData data;
+    const double slots_per_s = data.state.time.slots_per_s;
+    ask_by_key(event, data);
+    const bool step =
+        data.asked.step != 0 || data.asked.slots != 0 || data.state.time.slots_per_s != slots_per_s || character == 'z';
+    EXPECT_EQ(goes_on(event), step) << character;
+    steps += step;
+  }
+  EXPECT_EQ(steps, 8) << "left right , . - + = and undo";
 }
 
 TEST_F(LiveApp, ABrokenFileEndsNothing) {

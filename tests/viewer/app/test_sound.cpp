@@ -80,6 +80,27 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   EXPECT_FALSE(is_stale(picture, Layer::heat));
   EXPECT_GT(difference(before, picture), 0.1);
 
+  // The same place as a pose. Then the finger only turns: by less than its far end shows, and by more.
+  const geometry::Mesh mesh = geometry::icosphere(5e-3, 5);
+  const Vec3 lowest = *std::ranges::min_element(mesh.positions, {}, [](const Vec3& p) { return p.y; });
+  const auto turn = [&](double angle) {
+    played.now.T_world_finger =
+        glm::rotate(glm::translate(Transform(1.0), *played.now.tip - lowest), angle, glm::normalize(Vec3(1, 2, 3)));
+    heat.look(played.now, picture);
+  };
+  for (const double angle : {0.0, 4e-3}) {
+    turn(angle);
+    EXPECT_FALSE(is_stale(picture, Layer::heat)) << angle;
+  }
+  turn(0.3);
+  EXPECT_TRUE(is_stale(picture, Layer::heat));
+  ASSERT_TRUE(test::begins(rests));
+  for (const std::size_t v : {std::size_t{0}, mesh.positions.size() / 2})
+    EXPECT_LT(
+        glm::distance(picture.skin->mesh.positions[v], transform_point(*played.now.T_world_finger, mesh.positions[v])),
+        1e-6);
+
+  played.now.T_world_finger.reset();
   played.now.tip.reset();
   EXPECT_TRUE(heat.look(played.now, picture).skin);
   EXPECT_FALSE(picture.skin) << "nobody touches";

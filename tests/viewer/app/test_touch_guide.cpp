@@ -105,6 +105,13 @@ TEST_F(ByTouchInTheWindow, EightTouchesGiveTheCamerasPoseInSilence) {
     person.key(Key::right);
     EXPECT_TRUE(person.sees([](const Guidance& now) { return now.keys.find("x +1.0") != std::string::npos; }));
     person.key(key_of('0'));
+    // Held down, keys go on that move the focus.
+    for (const auto& [key, told] : {std::pair(Key::left, "x -2.0"), {Key::right, "x +2.0"}}) {
+      person.key(key);
+      person.key(key, true);
+      ASSERT_TRUE(person.sees([&](const Guidance& now) { return now.keys.find(told) != std::string::npos; })) << told;
+      person.key(key_of('0'));
+    }
     person.key(Key::tab);
     EXPECT_FALSE(person.app().data().panels) << "its options are not those of other runs";
     for (int i = 1; i <= 8; ++i)

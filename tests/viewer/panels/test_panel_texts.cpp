@@ -1,13 +1,17 @@
 // The numbers and names that panels say.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <imgui.h>
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "support/thrown.hpp"
 #include "viewer/app/flat_marks.hpp"
+#include "viewer/live/live_line.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/ui.hpp"
 
@@ -81,6 +85,31 @@ TEST(PanelTexts, WhatEachFingerFeelsIsWhatItFeelsAlone) {
     EXPECT_CONTAINS(together, one);
   data.spectra.clear();
   EXPECT_CONTAINS(said(), "no finger touches");
+}
+
+/// Two options of each heading are set, or the only one.
+TEST(PanelTexts, HeadingsOfOptionsSayHowManyHaveChanged) {
+  std::map<std::string, std::vector<line::OptionInfo>> by_heading;
+  for (const line::OptionInfo& info : live_table())
+    by_heading[info.heading].push_back(info);
+  EXPECT_GE(by_heading.size(), 4U);
+  for (const auto& [heading, options] : by_heading) {
+    PanelData data;
+    int set = 0;
+    for (const line::OptionInfo& info : options) {
+      try {
+        data.content.edit.set(info.name, info.flag ? "" : info.words.empty() ? "6" : info.words.back());
+      } catch (const Error&) {  // 6 is no speed, for example
+        continue;
+      }
+      if (++set == 2) break;
+    }
+    ASSERT_GT(set, 0) << heading;
+    const std::string text = text_of([&] { draw_options_panel(data); }),
+                      told = fmt::format("{} ({} changed)", heading, set);
+    EXPECT_CONTAINS(text, told);
+    EXPECT_EQ(text.find(" changed)"), text.rfind(" changed)")) << "the other headings";
+  }
 }
 
 /// In the panel Place, and beside the fingers.
