@@ -42,7 +42,8 @@ bool Spectra::look(const Sounding& now, double now_s) {
     return fresh;
   }
   if (answers_.stale() || now_s < next_s_) return fresh;
-  if (asked_ && asked_->layout == now.layout && alike(asked_->schedule, *now.schedule)) return fresh;
+  if (asked_ && asked_->layout == now.layout && asked_->spot_m == now.spot_m && alike(asked_->schedule, *now.schedule))
+    return fresh;
   asked_ = {*now.schedule, now.layout, now.drive, now.spot_m};
   answers_.ask(*asked_);
   next_s_ = now_s + every_s;

@@ -105,6 +105,9 @@ TEST(Heat, IsOfWhatSoundsOrSaysThatItIsNot) {
   EXPECT_TRUE(heat.look(played.now, picture).skin);
   EXPECT_FALSE(picture.skin) << "nobody touches";
   EXPECT_TRUE(picture.bars.empty());
+  played.now.tip = Vec3(0, 0, 0.1);
+  ASSERT_TRUE(test::begins(rests));
+  EXPECT_TRUE(picture.skin) << "the same again";
 }
 
 /// What is not computed again.
@@ -227,11 +230,22 @@ TEST(Spectra, AreThoseOfTheScheduleThatPlays) {
   EXPECT_TRUE(spectra.spectra().empty());
 }
 
-/// After each move, the result is fresh once nothing is computed any more, and does not change after that.
+/// After each move, the result is fresh once nothing is computed any more, and does not change after that. So it is if
+/// the same plays again after silence.
 template <typename Look, typename Busy>
 void expect_newest_at_rest(Played& played, int moves, const Look& look, const Busy& busy) {
-  for (int i = 0; i < moves; ++i) {
-    played.move({i * 1e-3, 0, 0.1});
+  for (int i = 0; i <= moves; ++i) {
+    if (i < moves) {
+      played.move({i * 1e-3, 0, 0.1});
+    } else {
+      const Sounding before = played.now;
+      played.now.schedule = nullptr;
+      played.now.plan = nullptr;
+      played.now.slot = {};
+      EXPECT_TRUE(look()) << "silence";
+      EXPECT_FALSE(busy());
+      played.now = before;
+    }
     bool fresh = false;
     ASSERT_TRUE(test::begins(
         [&] {
@@ -250,6 +264,21 @@ TEST(Spectra, AtRestAreTheNewest) {
   double now_s = 0;
   expect_newest_at_rest(
       played, 40, [&] { return spectra.look(played.now, now_s += 1); }, [&] { return spectra.busy(); });
+}
+
+TEST(Spectra, OfAnotherSpotAreOthers) {
+  Played played;
+  played.now.layout = nullptr;
+  played.now.spot_m = 5e-3;
+  Spectra spectra;
+  double now_s = 0;
+  const auto strongest = [&] {
+    EXPECT_TRUE(test::begins([&] { return spectra.look(played.now, now_s += 1); }));
+    return spectra.spectra().at(0).lines.at(0).around;
+  };
+  const auto narrow = strongest();
+  played.now.spot_m = 10e-3;
+  EXPECT_NE(strongest(), narrow);
 }
 
 TEST(SlicePreview, AtRestIsTheNewest) {

@@ -40,6 +40,8 @@ class SittingBench {
   ~SittingBench() { end(); }
 
   setup::StudyRunOptions& options() { return run_; }
+  /// What begin() gives the sitting.
+  study::EarLevel& level() { return level_; }
   /// The sitting's.
   ForwardClock& clock() { return clock_; }
   const study::StudyPlan& plan() const { return plan_; }
@@ -59,11 +61,8 @@ class SittingBench {
       return pose;
     }));
     script_.emplace(run_.rehearse.value_or(0.5), 1, run_.common.seed);
-    study::EarLevel level;
-    level.db = {100, 101};
-    level.sounding_s = 10;
     conductor_ = std::make_unique<viewer::Conductor>(
-        plan_, run_, shapes_, level, kinds, stop_, [] {}, clock_);
+        plan_, run_, shapes_, level_, kinds, stop_, [] {}, clock_);
     heard_->opened = 0;  // it was only tried
     heard_->finished = false;
   }
@@ -128,6 +127,7 @@ class SittingBench {
   study::StudyPlan plan_;
   viewer::StudyShapes shapes_;
   setup::StudyRunOptions run_;
+  study::EarLevel level_{.db = {100, 101}, .sounding_s = 10};
   std::atomic<bool> stop_{false};
   std::shared_ptr<HeardSound> heard_ = std::make_shared<HeardSound>();
   std::optional<viewer::ScriptedKeys> script_;

@@ -1,4 +1,5 @@
 // A participant's sitting in front of an array: it sounds during touches only, and is silent after everything else.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -60,10 +61,10 @@ class ConductorTest : public testing::Test {
   bool is_ready() {
     return bench_->goes_until([&] { return bench_->conductor().presentation().ready(); }, false);
   }
-  /// A line of the experimenter's window.
-  StateLine shown(std::string_view name) {
+  /// A line of the experimenter's window, or one below it.
+  StateLine shown(std::string_view name, std::ptrdiff_t below = 0) {
     const ExperimenterView view = bench_->conductor().experimenter_view();
-    return *std::ranges::find(view.lines, name, &StateLine::name);
+    return std::ranges::find(view.lines, name, &StateLine::name)[below];
   }
   fs::path beh(const std::string& end, int run = 1) const {
     return folder_ / "study" / sub_ / "beh" / (sub_ + "_task-shapes_run-0" + std::to_string(run) + end);
@@ -116,11 +117,15 @@ TEST_F(ConductorTest, ACompleteSittingWithoutItsLastLineEndsWithoutAKey) {
   text.pop_back();  // the last line has no end
   test::write_text(journal, text);
   bench_->options().link = "unplugged";
+  bench_->level().measured = 150.2;
   bench_->begin();
   EXPECT_EQ(bench_->sitting().screen(), Screen::end);
   bench_->conductor().advance();
   EXPECT_EQ(bench_->conductor().participant_view().text, bench_->plan().text(study::TextId::end));
   EXPECT_EQ(bench_->conductor().experimenter_view().state, "the end");
+  EXPECT_EQ(shown("level").value, "150 dB measured at the louder ear, limit 140 dB");
+  EXPECT_TRUE(shown("level").warns);
+  EXPECT_EQ(shown("level", 1).value, "116 dB equivalent for 8 h; ceiling 0.5");
   EXPECT_TRUE(bench_->sitting().agenda().finished());
   bench_->end();
   EXPECT_ERROR(bench_->begin(), Exit::usage, "participant 1 has finished");
@@ -207,7 +212,15 @@ TEST_F(ConductorTest, AnyKeyOfTheParticipantSilences) {
 TEST_F(ConductorTest, PauseAndStopSilence) {
   const auto begin = std::chrono::steady_clock::now();
   test::SittingBench& bench = long_touches();
+  EXPECT_EQ(shown("steps").value, "0 of 8 complete, 0 void");
+  EXPECT_EQ(shown("now").value, "step 1: trial");
+  EXPECT_EQ(shown("finger").value, "not over the object");
+  EXPECT_EQ(shown("overload").value, "none");
+  EXPECT_EQ(shown("level").value, "101 dB predicted at the louder ear, limit 140 dB");
+  EXPECT_FALSE(shown("level").warns);
+  EXPECT_EQ(shown("level", 1).value, "66 dB equivalent for 8 h; reflections +-10 dB; ceiling 0.5");
   EXPECT_EQ(shown("dose").value, "no sound so far");
+  EXPECT_TRUE(shown("masking").warns) << "there is none";
   ASSERT_TRUE(touches_and_sounds());
   bench.press(key_of('p'), true);
   EXPECT_EQ(bench.sitting().screen(), Screen::paused);
@@ -224,7 +237,9 @@ TEST_F(ConductorTest, PauseAndStopSilence) {
   EXPECT_LT(sounded_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   EXPECT_NEAR(level["SoundedEquivalentDb"], level["PredictedPeakDb"].get<double>() + 10 * std::log10(sounded_s / 28800),
               1e-3);
-  EXPECT_CONTAINS(shown("dose").value, "dB equivalent");
+  EXPECT_EQ(shown("dose").value, fmt::format("{:.0f} s of sound so far: at most {:.0f} dB equivalent for 8 h",
+                                             sounded_s, 101 + 10 * std::log10(sounded_s / 28800)));
+  EXPECT_EQ(shown("steps").value, "0 of 8 complete, 2 void");
 }
 
 TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
@@ -235,8 +250,14 @@ TEST_F(ConductorTest, AFingerThatIsTooDeepFeelsNothing) {
   EXPECT_EQ(bench.sitting().screen(), Screen::touching) << "the touch goes on";
   EXPECT_TRUE(bench.is_silent());
   EXPECT_GT(*bench.conductor().presentation().deepest_m(), 15e-3);
+  const StateLine deep = shown("finger");
+  EXPECT_TRUE(deep.warns);
+  EXPECT_NEAR(std::stod(deep.value), 20, 2);
+  EXPECT_CONTAINS(deep.value, " mm below the top");
   test::finger_depth_m = 3e-3;
   ASSERT_TRUE(comes_to_sound()) << "it has risen";
+  EXPECT_NEAR(std::stod(shown("finger").value), 3, 2);
+  EXPECT_FALSE(shown("finger").warns);
 }
 
 TEST_F(ConductorTest, AnArrayThatFailsIsAPauseAndCanContinue) {
