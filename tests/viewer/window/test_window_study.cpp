@@ -178,6 +178,9 @@ TEST_F(WindowStudy, ClosingTheParticipantsWindowDuringATouchIsSilence) {
   XHand hand(server_->name());
   ASSERT_TRUE(hand.find("palpa participant", 60));
   EXPECT_GT(hand.picture().colours(), 20u) << "the marker and its text";
+  XHand experimenter(server_->name());
+  ASSERT_TRUE(experimenter.find("palpa experimenter", 60));
+  EXPECT_TRUE(comes_to([&] { return experimenter.picture().has_red(); })) << "the lamp";
   hand.close();
   EXPECT_EQ(ends().exit_code, 0) << said();
   EXPECT_CONTAINS(log(), "\tvoid\t");

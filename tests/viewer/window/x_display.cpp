@@ -201,6 +201,14 @@ std::size_t XHand::Picture::colours() const {
   return count;
 }
 
+bool XHand::Picture::has_red() const {
+  const auto red = [](std::uint32_t pixel) {
+    const std::uint32_t others = std::max(pixel >> 8U & 0xffU, pixel & 0xffU);
+    return pixel >> 16U > others + 100;
+  };
+  return std::ranges::count_if(pixels, red) > 200;
+}
+
 void XHand::iconify() {
   call("XUnmapWindow", display_, window_);
   call("XSync", display_, 0);

@@ -46,6 +46,7 @@ class XHand {
     unsigned width = 0;
     std::vector<std::uint32_t> pixels;  ///< 0xrrggbb, rows from the top
     std::size_t colours() const;        ///< the number of different colours
+    bool has_red() const;               ///< of some area
     bool operator==(const Picture&) const = default;
   };
   /// The window's picture; empty if it is not visible.
