@@ -74,8 +74,8 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   constexpr std::string_view of = "--of=";
   if (argc > 1 && std::string_view(argv[1]).starts_with(of) && !keep_tests_of(argv[1] + of.size())) return 2;
-  // What a shell starts in the background ignores Ctrl-C, and so would the programs that tests start.
-  for (const int stop : {SIGINT, SIGQUIT})
+  // What a shell starts in the background ignores Ctrl-C, what nohup starts SIGHUP, and so would programs of tests.
+  for (const int stop : {SIGINT, SIGQUIT, SIGHUP})
     signal(stop, SIG_DFL);
   // Most tests use the device, so that passes and drivers are tested wherever there is a driver.
   setenv("PALPA_BACKEND", "gpu", 1);
