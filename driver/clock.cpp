@@ -25,4 +25,9 @@ double SteadyClock::day_at_zero_s() const {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec) - now_s();
 }
 
+Clock& steady_clock() {
+  static SteadyClock clock;
+  return clock;
+}
+
 }  // namespace palpa::driver

@@ -25,4 +25,7 @@ class SteadyClock final : public Clock {
   double day_at_zero_s() const override;
 };
 
+/// A SteadyClock that lives as long as the program, for boards, which keep a reference.
+Clock& steady_clock();
+
 }  // namespace palpa::driver

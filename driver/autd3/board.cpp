@@ -482,9 +482,8 @@ std::unique_ptr<Board> open_board(const BoardSpec& spec, BoardNotes& notes, cons
 BoardKind board_kind() {
   BoardKind kind{"autd3", "autd3:HOST:PORT: AUTD3 units behind a server of the Remote protocol",
                  [](const BoardSpec& spec, BoardNotes& notes) {
-                   static SteadyClock clock;
                    check(spec.layout);
-                   return open_board(spec, notes, resolve(spec.argument), clock);
+                   return open_board(spec, notes, resolve(spec.argument), steady_clock());
                  },
                  true};
   kind.own_layout = [](const std::string&) { return std::string("autd3"); };

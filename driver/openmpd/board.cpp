@@ -399,10 +399,10 @@ bool OpenMpdBoard::close() {
 
 namespace {
 
-/// A board together with its transport and clock.
+/// A board together with its transport.
 class OpenBoard final : public Board {
  public:
-  OpenBoard(const BoardSpec& spec, BoardNotes& notes) : board_(spec, notes, *transport_, clock_) {}
+  OpenBoard(const BoardSpec& spec, BoardNotes& notes) : board_(spec, notes, *transport_, steady_clock()) {}
   void play(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override { board_.play(slot, drive); }
   void all_off() override { board_.all_off(); }
   void tend() override { board_.tend(); }
@@ -412,7 +412,6 @@ class OpenBoard final : public Board {
 
  private:
   std::unique_ptr<usb::Transport> transport_ = usb::system_transport();
-  SteadyClock clock_;
   OpenMpdBoard board_;
 };
 

@@ -389,10 +389,7 @@ std::unique_ptr<Board> open_board(const BoardSpec& spec, BoardNotes& notes, Cloc
 BoardKind board_kind() {
   return {"sonicsurface",
           "sonicsurface:PORT[,tactile|,lag=PERIODS]: SonicSurface boards on a serial port",
-          [](const BoardSpec& spec, BoardNotes& notes) {
-            static SteadyClock clock;
-            return open_board(spec, notes, clock);
-          },
+          [](const BoardSpec& spec, BoardNotes& notes) { return open_board(spec, notes, steady_clock()); },
           true,
           true,
           [](const std::string&) { return std::string("sonicsurface"); },
