@@ -1,6 +1,7 @@
 #include "base/files/stream_writer.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 
 #include "base/error.hpp"
 #include "base/files/output_file.hpp"
+#include "support/begins.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/files.hpp"
 #include "support/shared_data.hpp"
@@ -110,6 +112,12 @@ TEST(StreamWriter, LinesThatNobodyReadsStayWhole) {
     StreamWriter writer = writer_on(ends[1], 1 << 20);
     for (int n = 0; n < 200; ++n)
       ASSERT_TRUE(writer.add(line));
+    const auto held = [&] {
+      int bytes = 0;
+      ioctl(ends[0], FIONREAD, &bytes);
+      return bytes;
+    };
+    EXPECT_TRUE(test::begins([&] { return held() > 50'000; }));
     EXPECT_FALSE(writer.flush({.seconds = 0.1}));
   }
   close(ends[1]);

@@ -112,12 +112,16 @@ TEST(Emulators, AUsbBoardsViolationsAreListedAndCountedAndWhatSoundsWhenItIsLeft
   const Emulated end = emulate({"openmpd"}, [&](const std::string& address) {
     const auto open = [] {
       driver::usb::LocalTransport transport;
-      return transport.open(transport.list([](std::uint16_t, std::uint16_t) { return true; }).entries.at(0),
-                            driver::usb::ftdi::endpoint_out);
+      driver::usb::Listing listing;
+      EXPECT_TRUE(begins([&] {
+        listing = transport.list([](std::uint16_t, std::uint16_t) { return true; });
+        return !listing.entries.empty();
+      }));
+      return transport.open(listing.entries.at(0), driver::usb::ftdi::endpoint_out);
     };
     device = open();
     for (const auto& setup : driver::usb::ftdi::ready_requests)
-      EXPECT_EQ(device->request(setup), driver::usb::Outcome::done);
+      EXPECT_TRUE(begins([&] { return device->request(setup) == driver::usb::Outcome::done; })) << "or it is late";
     std::vector<std::uint8_t> frames;  // eight, which sound
     for (int i = 0; i < 8; ++i) {
       driver::openmpd::Frame frame = driver::openmpd::all_off_frame;

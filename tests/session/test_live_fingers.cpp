@@ -149,7 +149,7 @@ struct Above {
     const sensing::FrameSet images = seen(setting.finger->body, T, sensing::Noise::none);
     double time_s = 0;
     // The frames' time passes more slowly than the clock's, because answers are slow with sanitizers, and expire.
-    for (std::uint64_t sequence = 0; sequence < 20000; ++sequence, time_s += 4e-3) {
+    for (std::uint64_t sequence = 0; sequence < 20000; ++sequence, time_s += 4e-4) {
       stand(T, time_s);
       const bool known = live.take(schedule);
       live.saw(images.frames, sequence);

@@ -21,7 +21,7 @@
 #include "support/begins.hpp"
 #include "support/captured.hpp"
 #include "support/thrown.hpp"
-#include "support/udp_receiver.hpp"
+#include "support/udp_sender.hpp"
 #include "touched_scene.hpp"
 
 namespace palpa::session {
@@ -79,7 +79,7 @@ struct Moves final : RunObserver {
 };
 
 struct OscTest : testing::Test {
-  std::string address = test::UdpReceiver().address().substr(4);  // a free port
+  std::string address = "127.0.0.1:" + std::to_string(test::free_udp_port());
   Session session{setting_of_button()};
   Moves moves;
   double time_s = 0;

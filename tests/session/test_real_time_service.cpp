@@ -16,6 +16,8 @@
 #include <string>
 #include <thread>
 
+#include "support/begins.hpp"
+
 namespace palpa::session {
 namespace {
 
@@ -81,7 +83,8 @@ class StandIn {
   StandIn& operator=(const StandIn&) = delete;
 
   bool ready = false;
-  Call call;  ///< once the caller has returned
+  std::atomic<bool> heard{false};
+  Call call;  ///< once it is heard
 
  private:
   void serve(bool answers) {
@@ -90,17 +93,20 @@ class StandIn {
       if (!message) continue;
       if (dbus_message_is_method_call(message, "org.freedesktop.RealtimeKit1", "MakeThreadRealtimeWithPID") &&
           dbus_message_get_args(message, nullptr, DBUS_TYPE_UINT64, &call.process, DBUS_TYPE_UINT64, &call.thread,
-                                DBUS_TYPE_UINT32, &call.priority, DBUS_TYPE_INVALID) &&
-          answers) {
-        const sched_param wish{.sched_priority = static_cast<int>(call.priority)};
-        sched_setscheduler(static_cast<pid_t>(call.thread), SCHED_RR | SCHED_RESET_ON_FORK, &wish);
-        DBusMessage* const answer = dbus_message_new_method_return(message);
-        dbus_connection_send(connection_, answer, nullptr);
-        dbus_connection_flush(connection_);
-        dbus_message_unref(answer);
+                                DBUS_TYPE_UINT32, &call.priority, DBUS_TYPE_INVALID)) {
+        heard = true;
+        if (answers) answer(message);
       }
       dbus_message_unref(message);
     }
+  }
+  void answer(DBusMessage* message) {
+    const sched_param wish{.sched_priority = static_cast<int>(call.priority)};
+    sched_setscheduler(static_cast<pid_t>(call.thread), SCHED_RR | SCHED_RESET_ON_FORK, &wish);
+    DBusMessage* const done = dbus_message_new_method_return(message);
+    dbus_connection_send(connection_, done, nullptr);
+    dbus_connection_flush(connection_);
+    dbus_message_unref(done);
   }
 
   DBusConnection* connection_ = nullptr;
@@ -118,9 +124,12 @@ TEST(RealTimeService, AsksRtkitForAThreadOfAProcess) {
     std::uint64_t number = 0;
     std::thread([&] {
       number = static_cast<std::uint64_t>(gettid());
-      real_time_service()(getpid(), gettid(), 7);  // without an answer, this returns, too
-      got = scheduling_of(0);
+      real_time_service()(getpid(), gettid(), 7);  // without an answer, or with a late one, this returns, too
+      test::begins([&] { return rtkit.heard.load(); });
+      const auto is_real_time = [&] { return (got = scheduling_of(0)) == Scheduling::real_time; };
+      if (geteuid() == 0 && answers) test::begins(is_real_time);
     }).join();
+    ASSERT_TRUE(rtkit.heard);
     EXPECT_EQ(rtkit.call.process, static_cast<std::uint64_t>(getpid()));
     EXPECT_EQ(rtkit.call.thread, number);
     EXPECT_EQ(rtkit.call.priority, 7u);

@@ -133,7 +133,7 @@ TEST_F(ConductorTest, ACompleteSittingWithoutItsLastLineEndsWithoutAKey) {
 
 TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
   dwell_ms_ = {1.5, 2};
-  prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 0.4, "ask_depth_frames = true\n");
+  prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 1, "ask_depth_frames = true\n");
   if (study::methods_of(bench_->plan(), 1)[0] == 0) {  // the plan's second method is the first that is felt
     bench_->options().participant = 2;
     sub_ = "sub-02";
@@ -374,7 +374,7 @@ TEST_F(ConductorTest, ATouchWithoutAnArrayIsVoid) {
 }
 
 TEST_F(ConductorTest, ATouchOfWhichTooLittleArrivesIsVoid) {
-  begin("[[block]]\nkind = \"trial\"\n", 0.4);
+  begin("[[block]]\nkind = \"trial\"\n", 1);
   bench_->heard()->halves = true;
   ASSERT_TRUE(bench_->reaches(Screen::paused));
   EXPECT_CONTAINS(bench_->sitting().reason(), "did not reach the array");
