@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
@@ -193,10 +194,17 @@ TEST(OpenMpdRun, FociThatStandStillHaveFineSlotsUnlessTheLineSaysOtherwise) {
     return (stats["seconds"].get<double>() + hold_s) /
            (drives["sent"].get<double>() + drives["skipped_slots"].get<double>());
   };
-  EXPECT_NEAR(slot_s({}), 1.5e-3, 0.3e-3);
-  EXPECT_NEAR(slot_s({"--method", "single-focus"}), 0.3e-3, 0.06e-3);
-  EXPECT_NEAR(slot_s({"--method", "single-focus", "--steps", "off"}), 1.5e-3, 0.3e-3);
-  EXPECT_NEAR(slot_s({"--method", "single-focus", "--dwell", "1ms"}), 1e-3, 0.2e-3);
+  // A busy machine may end a run later than this expects, but hardly five times.
+  const auto expect_slots = [&](double s, const std::vector<std::string>& more) {
+    double found_s = 0;
+    for (int again = 0; again < 5 && std::abs(found_s - s) > 0.2 * s; ++again)
+      found_s = slot_s(more);
+    EXPECT_NEAR(found_s, s, 0.2 * s);
+  };
+  expect_slots(1.5e-3, {});
+  expect_slots(0.3e-3, {"--method", "single-focus"});
+  expect_slots(1.5e-3, {"--method", "single-focus", "--steps", "off"});
+  expect_slots(1e-3, {"--method", "single-focus", "--dwell", "1ms"});
   emulation.end();
 }
 
