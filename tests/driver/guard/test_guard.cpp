@@ -394,7 +394,7 @@ TEST(Guard, ADriveCostsLittleOnBothSides) {
     in >> ns;
     return 1e-9 * ns;
   };
-  // Of three blocks, the quickest one, which other programs disturb least.
+  // The quickest one of three blocks counts: other programs disturb it least.
   constexpr std::uint64_t drives = 100;
   double ours_us = 1e9, its_us = 1e9;
   for (std::uint64_t block = 0; block < 3; ++block) {
