@@ -7,6 +7,7 @@ import fcntl
 import io
 import json
 import multiprocessing.connection
+import multiprocessing.resource_tracker
 import os
 import pathlib
 import pickle
@@ -27,9 +28,21 @@ RANKS = {"OMPI_COMM_WORLD_RANK": "OMPI_COMM_WORLD_SIZE", "PMI_RANK": "PMI_SIZE",
 
 # ---- many cases -----------------------------------------------------------------------------------------------------
 
+@contextlib.contextmanager
+def without_ctrl_c():
+    """Ctrl-C comes only after this block. A process that starts in it does not get Ctrl-C at all before work()."""
+    multiprocessing.resource_tracker.ensure_running()  # its first start would let Ctrl-C in
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def work(connection, task):
     """A process of the pool: gets settings and returns lines, until the other end is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     with contextlib.suppress(EOFError, OSError):
         connection.send(None)  # it has started
         while True:
@@ -48,9 +61,10 @@ def in_processes(task, todo, workers, gpus):
         here, there = context.Pipe()
         own = task._replace(common=task.common | ({"gpu": gpus[number % len(gpus)]} if gpus else {}))
         process = context.Process(target=work, args=(there, own), daemon=True)
-        process.start()
+        with without_ctrl_c():
+            process.start()
+            busy[here] = process, number, None
         there.close()
-        busy[here] = process, number, None
 
     try:
         for number in range(min(workers, len(todo))):

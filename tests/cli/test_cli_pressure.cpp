@@ -254,7 +254,8 @@ TEST(CliNulls, OfFramesLieInTheWorld) {
   const array::Layout layout = posed("openmpd");
   const std::string drives = scratch_folder("nulls-run") / "drives.bin";
   succeeded(palpa_here({"run", "--scene", two_boxes({}, {}), "--source", film({left_tip}), "--every-frame", "--backend",
-                        "cpu", "--layout", "openmpd", "--null", "30mm,10mm,0", "--link", "record:" + drives}));
+                        "cpu", "--layout", "openmpd", "--null", "30mm,10mm,0", "--hold", "1s", "--link",
+                        "record:" + drives}));
   for (const auto& [slot, drive] : sounding(drives)) {
     // Near the tip it sounds a thousand times louder.
     EXPECT_LT(1e3 * pressure_of(layout, drive, {0.03, 0.01, 0}), pressure_of(layout, drive, left_tip)) << slot;

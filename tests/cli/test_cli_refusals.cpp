@@ -207,7 +207,7 @@ TEST_F(Refusals, OfARunSayWhatIsWrong) {
             {"--source joints", "needs a port or a file"},
             {"--source joints:udp:0", "joints:udp:9000"},
             {"--source joints:udp:127.0.0.1", "joints:udp:9000"},
-            {"--source joints:udp:192.0.2.1:9000", "cannot listen", 1},
+            {"--source joints:udp:192.0.2.1:9000 --link openmpd:ABSENT", "cannot listen", 1},
             {"--source joints:none.jsonl", "none.jsonl", 4},
             {"--source joints:IN/bad.jsonl", "bad.jsonl: line 2: ", 4},
             {hands + "--rig IN/flat.toml", "T_world_joints", 4},

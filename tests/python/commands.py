@@ -1,9 +1,12 @@
 """The documented command lines, and the same in Python; programs and threads of tests; what a link got."""
 import concurrent.futures
+import contextlib
+import itertools
 import os
 import pathlib
 import re
 import shlex
+import socket
 import struct
 import subprocess
 import sys
@@ -67,6 +70,17 @@ def in_threads(*works):
     """Runs functions side by side; what they return."""
     with concurrent.futures.ThreadPoolExecutor(len(works)) as executor:
         return [one.result(60) for one in [executor.submit(work) for work in works]]
+
+
+PORTS = itertools.cycle(10000 + (37 * os.getpid() + n) % 20000 for n in range(20000))  # below the ephemeral ones
+
+
+def own_port():
+    """A UDP port that was free a moment ago, and that the system gives to nobody who asks for any port."""
+    for port in PORTS:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free, contextlib.suppress(OSError):
+            free.bind(("127.0.0.1", port))
+            return port
 
 
 def drives_in(file, transducers=256, so_far=False):

@@ -417,7 +417,7 @@ def test_the_line_of_foci_has_the_pressure_under_the_ceiling(inputs):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind(("127.0.0.1", 0))
         receiver.settimeout(60)
-        run(["run", *shlex.split(LINES["run"])[1:-4], "--ceiling", "0.3", "--link", f"foci:udp:127.0.0.1:{receiver.getsockname()[1]}", "--backend", "cpu"])
+        run(["run", *shlex.split(LINES["run"])[1:-4], "--ceiling", "0.3", "--hold", "1s", "--link", f"foci:udp:127.0.0.1:{receiver.getsockname()[1]}", "--backend", "cpu"])
         while not (told := json.loads(receiver.recv(65536)))["fingers"]:
             pass
     finger, = told["fingers"]

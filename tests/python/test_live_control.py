@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import PALPA, ROOT, begins, drives_in, newest_in, run, without_lateness
+from commands import PALPA, ROOT, begins, drives_in, newest_in, own_port, run, without_lateness
 from edited_glb import with_node
 from osc_messages import bundle, message
 from test_session import pressed
@@ -23,9 +23,7 @@ class Program:
     """Another program, which sends to a port where palpa will listen."""
 
     def __init__(self):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
+        self.port = own_port()
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def send(self, *packets):

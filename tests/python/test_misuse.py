@@ -214,7 +214,7 @@ def test_two_sessions_do_not_write_one_file(cube, tmp_path, output):
     seen = threading.Event()
     with session() as first:
         first.start(on_frame=lambda touch: seen.set())
-        assert seen.wait(30)
+        assert seen.wait(120)
         with pytest.raises(palpa.BadUsage, match="another palpa is writing this file"):
             session().run(frames=2)
         assert first.running

@@ -19,9 +19,9 @@ from commands import ROOT, begins, in_threads, python, without_lateness
 
 @pytest.mark.times
 def test_import_is_quick():
-    code = ("import time, numpy; a = time.process_time(); import palpa; b = time.process_time(); print(b - a); "
-            "import sys; print('logging' in sys.modules)")
-    assert min(float(python(code).stdout.split()[0]) for _ in range(3)) < 0.05
+    code = ("import time; a = time.process_time(); import numpy; b = time.process_time(); import palpa; c = time.process_time(); "
+            "print((c - b) / (b - a))")
+    assert min(float(python(code).stdout) for _ in range(3)) < 0.6  # of numpy's time, which is less than 0.1 s
 
 
 @pytest.mark.times
@@ -158,7 +158,7 @@ for thread in threads: thread.join()
 print(state() == before)
 """
     done = python(code)
-    assert (done.returncode, done.stdout, done.stderr) == (0, 3 * "True\n", "")
+    assert (done.returncode, done.stdout, without_lateness(done.stderr)) == (0, 3 * "True\n", "")
 
 
 @pytest.mark.parametrize("before", ["pass", "session.stop(); session.wait()"])
@@ -174,7 +174,7 @@ while not frames: time.sleep(0.01)
 {before}
 child = os.fork()
 if child == 0:
-    signal.alarm(5)
+    signal.alarm(9)
     raise SystemExit(7)
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 session.stop()
@@ -188,12 +188,14 @@ session.stop()
 def test_a_fork_may_end_in_the_block_of_a_session(end, code):
     """The run is the parent's. The block's own error counts, and nothing else is printed."""
     code_of = f"""
-import os, sys, warnings, palpa
+import os, sys, time, warnings, palpa
 warnings.simplefilter("ignore", DeprecationWarning)
+frames = []
 session = palpa.Session(palpa.Scene("assets/cube.glb"), source="synthetic", layout="openmpd", backend="cpu")
 child = None
 with session:
-    session.start()
+    session.start(on_frame=frames.append)
+    while not frames: time.sleep(0.01)  # else, a thread that begins just now may hold what the child needs in Python 3.11
     child = os.fork()
     if child == 0:
         {end}

@@ -127,7 +127,7 @@ def test_a_live_solver_of_ones_own(cube, tmp_path, backend):
         shapes.add((transfer.shape, gains.shape))
         return 0.2 * focusing(transfer, gains)
 
-    live(cube, solver=soft, link=f"record:{file}", noise_free=True, backend=backend).run(frames=12)
+    live(cube, solver=soft, link=f"record:{file}", noise_free=True, hold=1, backend=backend).run(frames=12)
     amplitudes = drives_in(file)
     sounding = amplitudes[amplitudes.max(axis=1) > 0]
     assert shapes == {((1, 256), (1,))} and len(sounding) > 10
@@ -224,7 +224,7 @@ def test_live_frames_are_those_of_the_export(cube):
 
 def test_the_gain_multiplies_amplitudes_and_the_last_drive_is_silent(cube, tmp_path):
     file = tmp_path / "drives.bin"
-    session = live(cube, link=f"record:{file}", noise_free=True)
+    session = live(cube, link=f"record:{file}", noise_free=True, hold=1)
     session.set_gain(0.25)
     session.run(frames=12)
     amplitudes = drives_in(file)

@@ -315,6 +315,17 @@ def test_ctrl_c_loses_what_is_being_computed(tmp_path, workers):
     assert 0 < len(lines_of(out)) < 300 and {line["state"] for line in lines_of(out)} == {"done"}
 
 
+def test_ctrl_c_does_not_end_a_process_that_starts(tmp_path):
+    """Here it comes while the process imports the program, which is before work()."""
+    (tmp_path / "many.py").write_text("import os, signal, palpa\nif __name__ == '__mp_main__': os.kill(os.getpid(), signal.SIGINT)\n"
+                                      "def mine(matrix, gains): return 0.5 * matrix[0].conj() / abs(matrix[0]).max()\nif __name__ == '__main__':\n"
+                                      f"    plan = {DRIVE!r} | {{'vary': {{'solver': ['naive', 'mine']}}}}\n"
+                                      "    plan['functions'] = {'mine': {'function': mine, 'version': '1'}}\n"
+                                      "    print([row['state'] for row in palpa.sweep(plan, workers=2, backend='cpu')])\n")
+    done = subprocess.run([sys.executable, tmp_path / "many.py"], capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "['done', 'done']\n", "")
+
+
 def test_a_full_disk_loses_one_case(plan, tmp_path):
     words = shlex.join([sys.executable, "-m", "palpa.sweeps", str(plan), "--out", str(tmp_path / "out"), "--backend", "cpu"])
     done = subprocess.run(["bash", "-c", f"ulimit -f 2; exec {words}"], capture_output=True, text=True, timeout=60, check=False)

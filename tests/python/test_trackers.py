@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import palpa
-from commands import ROOT, run
+from commands import ROOT, own_port, run
 from tracked_hands import TIP_RADIUS, hand, mediapipe_hands, one_finger, palpa_lines, pointing
 
 
@@ -39,9 +39,7 @@ def test_an_export_is_the_commands(cube, recorded, tmp_path):
 
 
 def test_a_run_takes_what_a_program_sends(cube):
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = own_port()
     fingers, ends = [], threading.Event()
 
     def send():

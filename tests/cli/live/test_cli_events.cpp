@@ -147,7 +147,7 @@ struct Stage {
 TEST(CliEvents, ARecordingGivesTheEventsThatWereWorkedOut) {
   const Stage stage;
   const Result gpu = succeeded(palpa_here(stage.run({"--backend", "gpu", "--events", "-"})));
-  EXPECT_EQ(gpu.err, "");
+  EXPECT_EQ(gpu.err_without_lateness(), "");
   expect_wanted(gpu.out);
   const auto file = stage.folder / "events.jsonl";
   const Result cpu =
@@ -170,7 +170,8 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
   const auto folder = scratch_folder("hold");
   const std::string scene = button(folder, {});
   sensing::RecordingWriter(folder / "one", {eye()}).write(frame_of(light, 0, 0));
-  // Slots from the first drive that sounds to the last one.
+  // Slots from the second drive that sounds to the last one. The first may bear the slot for which a late output woke
+  // up, which began before the frame came.
   const auto sounding = [&](const std::string& hold) {
     const std::string drives = (folder / ("drives" + hold)).string();
     succeeded(palpa_here({"run", "--scene", scene, "--source", "recording:" + (folder / "one").string(), "--backend",
@@ -180,7 +181,7 @@ TEST(CliHold, IsHowLongATouchSoundsOnceFramesStop) {
     for (const RecordedDrive& recorded : read_to_silence(drives).drives) {
       if (loudest(recorded.drive) > 0) slots.push_back(recorded.slot);
     }
-    return slots.empty() ? 0.0 : 1.5e-3 * static_cast<double>(slots.back() - slots.front());
+    return slots.size() < 2 ? 0.0 : 1.5e-3 * static_cast<double>(slots.back() - slots[1]);
   };
   // A slow machine may be late with the first drive, never with the last one.
   EXPECT_LE(sounding("30ms"), 0.030 + 2 * 1.5e-3);
@@ -235,7 +236,7 @@ TEST(CliSources, AClockThatStepsBackEndsNoRecording) {
   const auto folder = scratch_folder("steps-back") / "take";
   const Result outcome =
       succeeded(run_given({10, 10.01, 0, 0.01, 10.02}, 0, {"--backend", "cpu", "--record", folder.string()}));
-  EXPECT_EQ(outcome.err,
+  EXPECT_EQ(outcome.err_without_lateness(),
             "palpa: warning: the source's capture times run backwards (from 10.010 s to 0.000 s): they "
             "have to ascend evenly\npalpa: warning: " +
                 folder.string() + ": 2 of 5 frames are missing, because the source's clock stepped back\n");
@@ -251,12 +252,12 @@ TEST(CliSources, FingersThatAreTooManyAreToldOnce) {
     const Result outcome = succeeded(run_given(
         {0, 0.01, 0.02}, 3005,
         {"--min-points", "1", "--finger-gap", "1mm", "--finger-width", "0", "--hold", "1s", "--backend", backend}));
-    EXPECT_EQ(outcome.err,
+    EXPECT_EQ(outcome.err_without_lateness(),
               "palpa: warning: 17 of 81 clusters of contacts are left out: palpa uses at most 64 of a frame\n");
     EXPECT_EQ(json::parse(outcome.out)["frames"]["touching"], 3) << backend;
   }
   const Result one = run_given({0, 0.01}, 3005, {"--min-points", "1", "--backend", "cpu"});
-  EXPECT_EQ(one.err, "");
+  EXPECT_EQ(one.err_without_lateness(), "");
   EXPECT_EQ(json::parse(one.out)["frames"]["touching"], 2);
 }
 

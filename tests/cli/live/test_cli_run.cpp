@@ -62,6 +62,9 @@ TEST(CliRun, MeasuresItselfAndRecordsDrivesThatEndInSilence) {
   }
 }
 
+/// A driver that compiles every shader takes half a minute, and minutes on a busy machine.
+constexpr double patience_s = 400;
+
 /// palpa run on a disk of `size`, where everything is that it writes: what is asked for, and the caches of palpa and
 /// the driver. Exit code 77: no mounts of one's own are allowed here.
 Result on_small_disk(const std::filesystem::path& disk, const std::string& size,
@@ -73,7 +76,8 @@ Result on_small_disk(const std::filesystem::path& disk, const std::string& size,
   std::vector<std::string> arguments{"--mount",      "/bin/sh", "-c",      script, "sh",       disk.string(),
                                      palpa_binary(), "run",     "--scene", cube(), "--frames", "60"};
   if (geteuid() != 0) arguments.insert(arguments.begin(), "--map-root-user");
-  Result result = run_program("/usr/bin/unshare", with(arguments, options), {{where_assets_are()}});
+  Result result = run_program("/usr/bin/unshare", with(arguments, options),
+                              {.environment = {where_assets_are()}, .timeout_s = patience_s});
   if (result.err.find("unshare") != std::string::npos) result.exit_code = 77;
   return result;
 }
@@ -88,7 +92,7 @@ TEST(CliRun, SoundsFromTheFirstFramesAlsoWhereNoShaderHasBeenCompiledBefore) {
   Result result = on_small_disk(folder / "disk", "400k", options);
   if (result.exit_code == 77) {
     result = palpa(with({"run", "--scene", cube(), "--frames", "60"}, options),
-                   {.environment = {{"MESA_SHADER_CACHE_DISABLE", "true"}}});
+                   {.environment = {{"MESA_SHADER_CACHE_DISABLE", "true"}}, .timeout_s = patience_s});
   }
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("compiling shaders"), std::string::npos) << "users do not learn what they wait for";
@@ -175,12 +179,12 @@ TEST(CliRun, ACeilingMultipliesAmplitudesAndGains) {
 TEST(CliRun, ARampTakesAmplitudesUpAndDown) {
   const auto file = scratch_folder("ramp") / "d.bin";
   succeeded(palpa_here(with({"run", "--scene", cube(), "--frames", "60", "--every-frame", "--hold", "1s", "--ramp",
-                             "15ms", "--link", "record:" + file.string()},
+                             "6ms", "--link", "record:" + file.string()},
                             small_frames())));
   float last = 0, most = 0;
   for (const auto& sent : read_to_silence(file).drives) {
     const float loud = loudest(sent.drive);
-    EXPECT_LT(std::abs(loud - last), 0.11F) << "slot " << sent.slot << ": a ramp of ten slots";
+    EXPECT_LT(std::abs(loud - last), 0.26F) << "slot " << sent.slot << ": a ramp of four slots";
     most = std::max(most, loud);
     last = loud;
   }
@@ -226,11 +230,11 @@ TEST(CliRun, AnOverloadedLoopSaysSo) {
                   "--backend", "cpu", "--frames", "5", "--every-frame", "--noise-free", "--record", take, "--quiet"}));
   const Result late =
       succeeded(palpa_here({"run", "--scene", scene, "--source", "recording:" + take, "--every-frame", "--cluster",
-                            "inside", "--keep-boards", "--hold", "5ms", "--stats", "json"}));
+                            "inside", "--keep-boards", "--hold", "1ms", "--stats", "json"}));
   EXPECT_EQ(late.err_without_lateness(), "");
   EXPECT_NE(late.err.find("palpa: warning: overloaded: the time from frame to drives is"), std::string::npos)
       << late.err;
-  EXPECT_NE(late.err.find("longer than the hold of 5 ms"), std::string::npos) << late.err;
+  EXPECT_NE(late.err.find("longer than the hold of 1 ms"), std::string::npos) << late.err;
 }
 
 // docs/solvers.md, "On fingers that move".

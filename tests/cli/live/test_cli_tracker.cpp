@@ -227,8 +227,9 @@ TEST_F(Registration, RefusesTouchesThatSayNothing) {
 TEST(SensationOnHand, PlaysAtThePalmAndTurnsWithIt) {
   const auto folder = scratch_folder("sensation-on-hand");
   const Vec3 tip(0.01, 0.02, 0.03);
+  constexpr int frames = 120;  // it follows the hand until the file's end, and may be slow to begin
   std::vector<sensing::TrackedFrame> film;
-  for (int i = 0; i < 60; ++i)
+  for (int i = 0; i < frames; ++i)
     film.push_back({0.01 * i, {pointing_hand(tip + Vec3(1e-7 * i, 0, 0))}});
   write_text(folder / "hand.jsonl", lines_of(film));
   const Transform hand = sensing::pose_of_joint(film[0].hands[0], sensing::palm_joint);
@@ -249,7 +250,7 @@ TEST(SensationOnHand, PlaysAtThePalmAndTurnsWithIt) {
   // It stays on the hand that it began with when another one is seen, too.
   for (const bool left : {false, true}) {
     std::vector<sensing::TrackedFrame> both;
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < frames; ++i) {
       sensing::TrackedHand own = film[static_cast<std::size_t>(i)].hands[0];
       sensing::TrackedHand other = pointing_hand(tip + Vec3(-0.06, 1e-7 * i, 0.02));
       own.left = left;

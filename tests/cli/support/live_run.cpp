@@ -9,12 +9,9 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <map>
-#include <sstream>
-#include <system_error>
 #include <thread>
 
+#include "cli/support/delays.hpp"
 #include "cli/support/process.hpp"
 #include "support/files.hpp"
 
@@ -29,24 +26,6 @@ bool has_ended(pid_t child) {
   const std::string stat = read_text("/proc/" + std::to_string(child) + "/stat");  // PID (NAME) STATE ...
   const std::size_t name_end = stat.rfind(") ");
   return name_end == std::string::npos || stat[name_end + 2] == 'Z' || stat[name_end + 2] == 'X';
-}
-
-/// For how long each of its threads was ready and got no processor so far, seconds. Threads that have ended stay.
-void look_at_delays(pid_t child, std::map<std::string, double>& delays_s) {
-  std::error_code gone;
-  std::filesystem::directory_iterator thread("/proc/" + std::to_string(child) + "/task", gone);
-  for (; !gone && thread != std::filesystem::directory_iterator(); thread.increment(gone)) {
-    std::istringstream schedstat(read_text(thread->path() / "schedstat"));
-    double ran_ns = 0, delayed_ns = 0;
-    if (schedstat >> ran_ns >> delayed_ns) delays_s[thread->path().filename()] = 1e-9 * delayed_ns;
-  }
-}
-
-double sum_of(const std::map<std::string, double>& delays_s) {
-  double sum_s = 0;
-  for (const auto& [thread, delay_s] : delays_s)
-    sum_s += delay_s;
-  return sum_s;
 }
 
 }  // namespace
@@ -125,19 +104,17 @@ void LiveRun::signal(int signal) const {
 LiveRun::End LiveRun::wait(double at_most_s) {
   if (end_.ended) return end_;
   const auto begin = Clock::now();
-  std::map<std::string, double> delays_s;
-  look_at_delays(child_, delays_s);
-  const double before_s = sum_of(delays_s);
+  Delays delays({child_});
   End end;
   int status = 0;
   double waited_s = 0;
   do {
     end.ended = has_ended(child_);
     waited_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    look_at_delays(child_, delays_s);
+    delays.look();
     if (!end.ended) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   } while (!end.ended && waited_s < at_most_s);
-  end.held_up_s = sum_of(delays_s) - before_s;
+  end.held_up_s = delays.sum_s();
   end.after_s = waited_s - end.held_up_s;
   if (!end.ended) return end;
   waitpid(child_, &status, 0);

@@ -235,10 +235,10 @@ void expect_failure(const Result& result, int code, const std::string& part) {
   EXPECT_EQ(result.signal, 0);
   EXPECT_FALSE(result.timed_out);
   EXPECT_EQ(result.out, "");
-  const std::vector<std::string> lines = result.err_lines();
-  ASSERT_EQ(lines.size(), 1u) << result.err;
-  EXPECT_TRUE(lines[0].starts_with("palpa: error: ")) << lines[0];
-  EXPECT_NE(lines[0].find(part), std::string::npos) << lines[0] << "\ndoes not contain: " << part;
+  const std::string line = result.err_without_lateness();
+  ASSERT_EQ(std::ranges::count(line, '\n'), 1) << result.err;
+  EXPECT_TRUE(line.starts_with("palpa: error: ")) << line;
+  EXPECT_NE(line.find(part), std::string::npos) << line << "does not contain: " << part;
   EXPECT_EQ(result.err.back(), '\n');
 }
 

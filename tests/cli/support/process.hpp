@@ -75,7 +75,8 @@ void expect_orderly(const Result& result, const std::vector<std::string>& argume
 
 /// gtest: the program ended well. Returns the same result.
 Result succeeded(Result result);
-/// gtest: the program failed with `code`, printed one line of error that contains `part`, and printed no result.
+/// gtest: the program failed with `code`, printed one line of error that contains `part` (and maybe that frames were
+/// late), and printed no result.
 void expect_failure(const Result& result, int code, const std::string& part);
 
 }  // namespace palpa::test
