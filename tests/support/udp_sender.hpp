@@ -7,7 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <cerrno>
+#include <atomic>
 #include <cstdint>
 #include <string>
 
@@ -15,16 +15,17 @@ namespace palpa::test {
 
 /// A port that was free a moment ago, below those that the kernel gives to programs that name none.
 inline std::uint16_t free_udp_port() {
-  static auto port = static_cast<std::uint16_t>(20'000 + getpid() % 12'000);
+  constexpr int first = 10000, ports = 20000;
+  static std::atomic<int> tried{0};
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   do
-    address.sin_port = htons(++port);
-  while (bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 && errno == EADDRINUSE);
+    address.sin_port = htons(static_cast<std::uint16_t>(first + (37 * getpid() + tried++) % ports));
+  while (bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 && tried < ports);
   ::close(socket);
-  return port;
+  return ntohs(address.sin_port);
 }
 
 class UdpSender {

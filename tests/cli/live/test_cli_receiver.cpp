@@ -1,14 +1,10 @@
 // The receiver in docs/examples that users may copy: it plays what it is sent, and nothing else.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <signal.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -43,22 +39,6 @@ bool without_python() {
   return std::system("python3 -c pass >/dev/null 2>&1") != 0;
 }
 
-/// A port that was free a moment ago, and that the system gives to nobody who asks for any port: otherwise another
-/// program might have it before the receiver.
-std::uint16_t own_port() {
-  constexpr int first = 10000, ports = 20000;  // below the range of such ports
-  static std::atomic<int> tried{0};
-  const int other = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  do {
-    address.sin_port = htons(static_cast<std::uint16_t>(first + (37 * getpid() + tried++) % ports));
-  } while (bind(other, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 && tried < ports);
-  close(other);
-  return ntohs(address.sin_port);
-}
-
 /// Runs a script (the first argument), whose clock is 1000 s later as soon as a file exists. Once it has looked at the
 /// clock a few times since, another file does.
 constexpr const char* jumping_clock = R"(import os, runpy, sys, time
@@ -77,7 +57,7 @@ runpy.run_path(script, run_name="__main__")
 /// The example of docs/boards.md, as it stands there. What it prints goes into a file.
 class PythonReceiver {
  public:
-  const std::uint16_t port = own_port();
+  const std::uint16_t port = free_udp_port();
   const UdpSender sender{port};
 
   explicit PythonReceiver(const std::string& name, const std::string& seconds = "60")
@@ -224,7 +204,7 @@ TEST(Receiver, TakesNoNoticeOfWhatIsNoLineOfFoci) {
 TEST(Receiver, ShowsOneLineOnATerminalAndTellsWhatItIgnored) {
   PALPA_TERMINAL_OR_SKIP();
   if (without_python()) GTEST_SKIP() << "skipped: no python3";
-  const std::uint16_t port = own_port();
+  const std::uint16_t port = free_udp_port();
   const UdpSender sender(port);
   Terminal terminal("python3", {source_file("docs/examples/receive_foci.py").string(), std::to_string(port)});
   ASSERT_TRUE(terminal.shows("listening"));
