@@ -137,7 +137,11 @@ Rows EveryWidget::recording_rows() {
            [this] {
              ASSERT_TRUE(goes_round_until([&] { return is_drawn("play made"); }));
              push("play made");
-             ASSERT_TRUE(goes_round_until([&] { return playing() && state() == LiveState::running; }));
+             // Lines above the buttons go.
+             ASSERT_TRUE(goes_round_until([&] {
+               return playing() && state() == LiveState::running && !is_drawn("play made") &&
+                      data().content.doing.empty();
+             }));
            }},
           {"recording play",
            [this] {
