@@ -24,12 +24,15 @@ TEST(MissingBarriers, AreSeenAfterEachKernelOfTheTouch) {
   }
 }
 
-// The host reads what several kernels wrote; the line names one of them.
+// The host reads what several kernels wrote, or a copy does on devices with memory of their own; the line names one.
 TEST(MissingBarriers, AreSeenBetweenTheTouchAndTheHost) {
   const auto points = random_points(500, Vec3(-0.02, -0.03, -0.02), Vec3(0.02, 0.01, 0.02));
   const palpa::test::NoBarrierAfter none("clusters_select");
-  EXPECT_CONTAINS(palpa::test::error_of([&] { touch_on(Backend::gpu, points, {cube()}, {}, 1); }, Exit::failed),
-                  "the host reads 'a buffer', which ");
+  const std::string told =
+      palpa::test::error_of([&] { touch_on(Backend::gpu, points, {cube()}, {}, 1); }, Exit::failed);
+  EXPECT_TRUE(told.starts_with("the host reads 'a buffer', which ") ||
+              told.starts_with("a copy reads 'a buffer', which "))
+      << told;
 }
 
 }  // namespace
