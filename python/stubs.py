@@ -57,7 +57,7 @@ def shown_type(doc):
     if head.startswith("dict"):
         return f"dict[str, {'float' if 'to float' in head else 'Any'}]{none}"
     if head.startswith("("):
-        return f"tuple[{head.strip('()')}]"
+        return f"tuple[{head.strip('()')}]{none}"
     if head.startswith("tuple"):
         return f"tuple[{head.rsplit(' ', 1)[-1]}, ...]{none}"
     name = head.split(",")[0].split(" ")[0]

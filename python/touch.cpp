@@ -375,7 +375,7 @@ void add_touch_class(py::module_& m) {
             if (!o.values.ear) return std::nullopt;
             return std::pair(o.values.ear->low_dba, o.values.ear->high_dba);
           },
-          "tuple of two floats, or None: how loud the array is to the ear, beside its beam, from and to, dB(A), if "
+          "(float, float), or None: how loud the array is to the ear, beside its beam, from and to, dB(A), if "
           "audible=True was given. -inf where it makes no sound.")
       .def_readonly("unreached", &TouchObject::unreached,
                     "str or None: a sentence about a pressure that the array does not reach.")

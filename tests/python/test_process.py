@@ -1,4 +1,6 @@
 """Threads, signals, fork, the end of the interpreter, time, and what the module leaves behind."""
+import ast
+import builtins
 import os
 import pathlib
 import resource
@@ -365,6 +367,15 @@ def test_stubs_have_every_name():
     for name in palpa.__all__:
         assert f"class {name}" in text or f"def {name}(" in text, name
     assert "finger_gap: float | str | None = ..." in text and '-> NDArray[np.complex128]: ...' in text
+    known, used = set(dir(builtins)), set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            known |= {name.asname or name.name for name in node.names}
+        elif isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+            known.add(node.name)
+        elif isinstance(node, ast.Name):
+            (used if isinstance(node.ctx, ast.Load) else known).add(node.id)
+    assert used <= known, used - known
 
 
 def test_every_name_has_a_docstring():

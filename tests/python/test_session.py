@@ -430,4 +430,4 @@ def test_a_scripts_recording_has_a_finger_whose_place_is_known(cube, tmp_path):
     assert np.abs(middles() - 0.01).max() < 0.6e-3
     # 30 ms at the speed of the finger; the first frames have no speed yet.
     step = 1j * 2 * np.pi * 0.01 * 0.03 * 90 / 28
-    assert np.abs(middles(predict_latency=0.03)[8:] - (0.01 + step)).max() < 1.2e-3
+    assert np.abs(middles(predict_latency=0.03)[9:] - (0.01 + step)).max() < 1.2e-3
