@@ -1,6 +1,7 @@
 // What computes: the command line, the environment, or what the machine has, in this order.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <vector>
 
 #include "gpu/device.hpp"
@@ -79,6 +80,7 @@ TEST(Backend, KeepsADeviceUntilItIsLost) {
   EXPECT_FALSE(next->lost());
   EXPECT_EQ(kept_device(options), next);
   EXPECT_TRUE(first->lost()) << "others may still have it";
+  const std::unique_ptr<const gpu::Device> nobody_has_it(first);
 }
 
 TEST(Backend, RefusesAnEnvironmentThatNamesNoBackend) {
