@@ -72,23 +72,10 @@ includes() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'assets/*.?pp' '
 # Files are opened only where the register of files sees it: tests/house/files.py.
 registered() { files 'engine/*.?pp' 'driver/*.?pp' 'viewer/*.?pp' 'python/*.?pp' | xargs -r python3 tests/house/files.py; }
 
-# Each fault of tests/house/mutants applies to the sources.
-faults() {
-  local patch found=0
-  for patch in tests/house/mutants/*.patch; do
-    git apply --check "$patch" 2>/dev/null && continue
-    echo "   $patch does not apply: make the same fault in the code of today"
-    found=1
-  done
-  return "$found"
-}
-
-# Files are small and have one job. A longer one is listed with its reason in tests/house/long-files.txt.
+# A file is a subject: what is longer is several.
 sizes() {
   files '*.cpp' '*.hpp' '*.h' '*.c' '*.comp' '*.vert' '*.frag' '*.glsl' '*.sh' '*.py' '*.cmake' dev | xargs -d '\n' wc -l |
-    awk 'NR == FNR { listed[$1]; next } $1 > 500 && $2 != "total" && !($2 in listed) {
-           print "   " $2 " has " $1 " lines: split it, or list it with a reason in tests/house/long-files.txt"; bad = 1 }
-         END { exit bad }' tests/house/long-files.txt -
+    awk '$1 > 1200 && $2 != "total" { print "   " $2 " has " $1 " lines: it is more than one subject, divide it"; bad = 1 } END { exit bad }'
 }
 
 # Nothing may depend on one machine's folders.
@@ -196,7 +183,6 @@ step "arrows between libraries" arrows
 step "includes" includes
 step "register of files" registered
 step "file sizes" sizes
-step "mutants apply" faults
 step "machine paths" paths
 step "scratch folders" scratch
 step "refusals in tests" refusals

@@ -20,6 +20,7 @@ BROUGHT = re.compile(r"^using ([\w:]+)::(\w+);|^(?:namespace|using) (\w+) = ([^;
 OWN = re.compile(r"^namespace \{\n(.*?)^\}  // namespace|^(int main\()", re.S | re.M)
 DEFINED = re.compile(r"^(?:struct|class|enum class|enum|union) (\w+)|^using (\w+) =|^\w[\w:<>,*& ]*?[ *&](\w+)\(|"
                      r"^(?:inline |static |constexpr |const )+[\w:<>,*& ]+?(\w+)(?:\[\w*\])*(?: = |\{|;)", re.M)
+STATIC = re.compile(r"^static [^;{}()=]*?(\w+)(?:\[\w*\])*(?:\(| = |\{|;)", re.M)  # outside the unnamed namespace
 # The second and later constants of a line that defines several.
 FURTHER = re.compile(r"^(?:inline |static |constexpr |const )+[^;(){}]*;", re.M), re.compile(r", (\w+)(?:\[\w*\])* = ")
 # Sources that stay alone: their code affects the sources after them, or they are a library's main(), for programs without their own.
@@ -35,6 +36,7 @@ def own_names(text, share):
     own = "".join(part[0] or part[1] for part in OWN.findall(text))
     names = {name: "" for found in DEFINED.findall(own) for name in found if name}
     names |= {name: "" for line in FURTHER[0].findall(own) for name in FURTHER[1].findall(line)}
+    names |= {name: "" for name in STATIC.findall(text)}
     for room, name, alias, meant in BROUGHT.findall(text):
         names[name or alias] = room + meant if share else ""
     return names
