@@ -12,6 +12,7 @@
 #include "base/system/real_time.hpp"
 #include "base/text.hpp"
 #include "driver/autd3/emulated/command.hpp"
+#include "driver/autd3_udp/emulated/command.hpp"
 #include "driver/openmpd/emulated/command.hpp"
 #include "driver/sonicsurface/emulated/command.hpp"
 #include "line/values.hpp"
@@ -28,7 +29,16 @@ void add_options(CLI::App& app, Options& o) {
   board.text("--serial", o.serials, "SERIAL,...", "serial numbers of USB boards, one board for each [EMU1]");
   board.flag("--uart", o.uart, "USB boards as they are delivered: their FT232H is a serial port, which palpa refuses");
   board.integer("--port", o.port, 0, 65535,
-                fmt::format("port of an AUTD3 server; 0 takes a free one [{}]", default_port));
+                fmt::format("port of an AUTD3 server [{}] or of a group of AUTD3 units [44336]; 0 takes a free one",
+                            default_port));
+  board.integer("--protocol", o.protocol, 2, 5,
+                "protocol of AUTD3 units on a network cable: 2 (releases 0.10, 0.11), 3 (0.12) or 5 (0.13) [5]");
+  board.quantity("--processing", o.processing_s, Quantity::time, {0, 0.1},
+                 "time that an AUTD3 unit on a network cable takes for a frame; real units' is not published [50us]");
+  board.texts("--fault", o.faults, "FAULT",
+              "a fault of the network cable or of a unit: lose=1%, repeat=1%, delay=1% (by 5 ms), mute=UNIT@TIME, "
+              "reboot=UNIT@TIME, cut=UNIT@TIME [none]",
+              autd3_udp::check_fault);
   board.flag("--tactile", o.tactile, "emulates a SonicSurface with the tactile firmware");
   board.text("--layout", o.layout, "NAME|FILE", "how the boards stand [one alone, two as a pair]");
   board.text("--board-files", o.files, "DIR",
@@ -42,7 +52,9 @@ void add_options(CLI::App& app, Options& o) {
 void check(const Options& o, const Kind& kind) {
   for (const auto& [name, given] :
        {std::pair("--serial", !o.serials.empty()), std::pair("--uart", o.uart), std::pair("--port", o.port.has_value()),
-        std::pair("--tactile", o.tactile), std::pair("--board-files", !o.files.empty())}) {
+        std::pair("--protocol", o.protocol.has_value()), std::pair("--processing", o.processing_s.has_value()),
+        std::pair("--fault", !o.faults.empty()), std::pair("--tactile", o.tactile),
+        std::pair("--board-files", !o.files.empty())}) {
     if (!given || std::ranges::find(kind.options, name) != kind.options.end()) continue;
     std::string others;
     for (const Kind& other : kinds()) {
@@ -76,6 +88,10 @@ void run(const Options& o) {
 std::vector<Kind> kinds() {
   return {
       {"autd3", "AUTD3 units behind a server", autd3::emulate, {"--port"}},
+      {"autd3-udp",
+       "AUTD3 units on a network cable",
+       autd3_udp::emulate,
+       {"--port", "--protocol", "--processing", "--fault"}},
       {"openmpd", "OpenMPD boards on USB", openmpd::emulate, {"--serial", "--uart", "--board-files"}},
       {"sonicsurface", "SonicSurface boards on a serial port", sonicsurface::emulate, {"--tactile", "--board-files"}}};
 }

@@ -22,10 +22,13 @@ inline constexpr std::uint32_t default_port = 8080;
 struct Options {
   setup::CommonOptions common;
   std::string board;
-  std::string serials;                ///< comma-separated
-  std::string files;                  ///< folder with the boards' own calibration
-  std::string layout;                 ///< empty: the board's usual one
-  std::optional<std::uint32_t> port;  ///< normally default_port
+  std::string serials;                    ///< comma-separated
+  std::string files;                      ///< folder with the boards' own calibration
+  std::string layout;                     ///< empty: the board's usual one
+  std::optional<std::uint32_t> port;      ///< normally default_port
+  std::optional<std::uint64_t> protocol;  ///< of AUTD3 units on a network cable: 2, 3 or 5
+  std::optional<double> processing_s;     ///< their time for a frame
+  std::vector<std::string> faults;        ///< of their wire, in order
   bool tactile = false;
   bool uart = false;  ///< USB boards whose chips are set up as serial ports
   std::string trace;
