@@ -95,6 +95,35 @@ TEST(Emulators, AServersViolationsAreListedAndCounted) {
   EXPECT_CONTAINS(end.out, "1 device, 0 operations each, silent\n");
 }
 
+TEST(Emulators, AGroupOfUnitsViolationsAreListedAndCounted) {
+  const Emulated end =
+      emulate({"autd3-udp", "--port", "0", "--protocol", "3", "--seed", "2"}, [](const std::string& to) {
+        sockaddr_in6 group{};
+        group.sin6_family = AF_INET6;
+        group.sin6_addr = in6addr_loopback;
+        ASSERT_EQ(to.substr(0, 6), "[::1]:");
+        group.sin6_port = htons(static_cast<std::uint16_t>(std::stoi(to.substr(6))));
+        const Descriptor host(socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+        const auto say = [&](const std::string& datagram) {
+          EXPECT_EQ(sendto(host.get(), datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&group),
+                           sizeof group),
+                    static_cast<ssize_t>(datagram.size()));
+        };
+        say({'\xff', 1, 5, 0});
+        std::array<char, 100> answer{};
+        sockaddr_in6 from{};
+        socklen_t size = sizeof from;
+        ASSERT_EQ(recvfrom(host.get(), answer.data(), answer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size), 5);
+        EXPECT_EQ(std::string(answer.data(), 5), std::string({3, 1, 5, 0, 1})) << "its own protocol, and a refusal";
+        EXPECT_NE(from.sin6_port, group.sin6_port) << "units have sockets of their own";
+        for (int i = 0; i < 22; ++i)
+          say({3, 7, 6, 0});
+      });
+  expect_listed(end, end.report, 22);  // heartbeats are for one unit
+  EXPECT_EQ(end.report["frames"], 0);
+  EXPECT_CONTAINS(end.out, "1 unit, 0 frames, silent\n");
+}
+
 TEST(Emulators, ASerialBoardsViolationsAreListedAndCounted) {
   PALPA_TERMINAL_OR_SKIP();
   std::unique_ptr<driver::sonicsurface::Line> line;

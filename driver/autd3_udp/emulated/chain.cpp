@@ -21,6 +21,11 @@ void put(std::vector<std::uint8_t>& out, std::uint64_t value, int bytes) {
     out.push_back(static_cast<std::uint8_t>(value >> (8 * byte)));
 }
 
+/// How long a cable is taken by a datagram.
+double length_s(std::size_t bytes) {
+  return bit_s * 8 * static_cast<double>(bytes + overhead_bytes);
+}
+
 }  // namespace
 
 EmulatedChain::EmulatedChain(const ChainSetting& setting)
@@ -57,17 +62,6 @@ bool EmulatedChain::reached(std::size_t unit) const {
   return true;
 }
 
-/// Each cable on the way is taken for the datagram's length, one after the other.
-double EmulatedChain::over_wire(double now_s, std::size_t unit, std::size_t bytes, bool up) {
-  const double length_s = bit_s * 8 * static_cast<double>(bytes + overhead_bytes);
-  for (std::size_t step = 0; step <= unit; ++step) {
-    Node& node = nodes_[up ? unit - step : step];
-    double& free_s = up ? node.up_free_s : node.down_free_s;
-    free_s = now_s = std::max(now_s, free_s) + length_s;
-  }
-  return now_s;
-}
-
 std::vector<double> EmulatedChain::with_faults(double due_s) {
   if (setting_.lost + setting_.repeated + setting_.delayed <= 0) return {due_s};
   const double drawn = chance();
@@ -78,7 +72,10 @@ std::vector<double> EmulatedChain::with_faults(double due_s) {
 }
 
 void EmulatedChain::send_down(double now_s, std::size_t unit, std::span<const std::uint8_t> datagram, bool by_group) {
-  for (const double at_s : with_faults(over_wire(now_s, unit, datagram.size(), false))) {
+  // Everything passes the host's cable, so only that one makes it wait. Each unit on the way takes all of it first.
+  const double each_s = length_s(datagram.size());
+  down_free_s_ = std::max(now_s, down_free_s_) + each_s;
+  for (const double at_s : with_faults(down_free_s_ + static_cast<double>(unit) * each_s)) {
     add({.what = Event::What::arrives,
          .at_s = at_s,
          .order = 0,
@@ -91,8 +88,8 @@ void EmulatedChain::send_down(double now_s, std::size_t unit, std::span<const st
 void EmulatedChain::send_up(double now_s, std::size_t unit, std::vector<std::uint8_t> bytes) {
   if (nodes_[unit].muted || !reached(unit)) return;
   const std::uint8_t id = nodes_[unit].id;
-  for (const double at_s : with_faults(over_wire(now_s, unit, bytes.size(), true)))
-    add({.what = Event::What::answers, .at_s = at_s, .order = 0, .unit = unit, .id = id, .bytes = bytes});
+  for (const double at_s : with_faults(now_s + static_cast<double>(unit) * length_s(bytes.size())))
+    add({.what = Event::What::returns, .at_s = at_s, .order = 0, .unit = unit, .id = id, .bytes = bytes});
 }
 
 void EmulatedChain::take_from_group(double now_s, std::span<const std::uint8_t> datagram) {
@@ -117,6 +114,13 @@ void EmulatedChain::advance(double now_s) {
       case Event::What::finishes:
         finish(event);
         break;
+      case Event::What::returns: {
+        Event answers = event;
+        answers.what = Event::What::answers;
+        answers.at_s = up_free_s_ = std::max(event.at_s, up_free_s_) + length_s(event.bytes.size());
+        add(std::move(answers));
+        break;
+      }
       case Event::What::answers:
         answers_.push_back({event.unit, event.id, event.at_s, event.bytes});
         break;
@@ -270,7 +274,7 @@ void EmulatedChain::begin(double now_s, std::size_t unit) {
 
 void EmulatedChain::finish(const Event& event) {
   Node& node = nodes_[event.unit];
-  if (node.begun != event.begun || node.queue.empty()) return;  // it has started anew
+  if (node.begun != event.begun || node.queue.empty()) return;  // it has restarted
   const Frame first = std::move(node.queue.front());
   node.queue.pop_front();
   const std::span<const std::uint8_t> datagram = first.datagram;

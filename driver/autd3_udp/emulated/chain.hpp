@@ -57,7 +57,7 @@ class EmulatedChain {
   std::uint8_t id(std::size_t unit) const { return nodes_[unit].id; }
   /// A unit that is muted takes frames, and answers nothing.
   void mute(std::size_t unit, bool muted) { nodes_[unit].muted = muted; }
-  /// The unit starts anew: without sound, id and far port.
+  /// The unit restarts: without sound, id and far port.
   void reboot(double now_s, std::size_t unit);
   /// Nothing passes the cable in front of this unit any more, or all passes again.
   void cut(std::size_t unit, bool away) { nodes_[unit].cut = away; }
@@ -67,7 +67,7 @@ class EmulatedChain {
   Moment moment(double now_s) const { return {now_s, unit_ns(now_s)}; }
   bool silent(double now_s) const;
   std::uint64_t frames() const { return frames_; }
-  /// Of all units, oldest first.
+  /// The units' violations together, oldest first.
   std::vector<emulate::Violation> violations() const;
   std::size_t violation_count() const;
 
@@ -84,10 +84,9 @@ class EmulatedChain {
     std::deque<Frame> queue;  ///< the first is being carried out
     std::uint64_t begun =
         0;  ///< counts what it has begun, so that the end of something dropped is not taken for another
-    double down_free_s = 0, up_free_s = 0;  ///< when the cable in front of it is free
   };
   struct Event {
-    enum class What { arrives, finishes, answers, drops_id } what;
+    enum class What { arrives, finishes, returns, answers, drops_id } what;
     double at_s;
     std::uint64_t order;  ///< of events at the same time
     std::size_t unit;
@@ -105,7 +104,6 @@ class EmulatedChain {
   bool reached(std::size_t unit) const;
   void send_down(double now_s, std::size_t unit, std::span<const std::uint8_t> datagram, bool by_group);
   void send_up(double now_s, std::size_t unit, std::vector<std::uint8_t> bytes);
-  double over_wire(double now_s, std::size_t unit, std::size_t bytes, bool up);
   /// When a datagram arrives that was due then: none if it is lost, two times if it is repeated.
   std::vector<double> with_faults(double due_s);
   void add(Event event);
@@ -126,7 +124,8 @@ class EmulatedChain {
   std::uint64_t order_ = 0, frames_ = 0;
   std::vector<Answer> answers_;
   std::mt19937_64 random_;
-  double time_set_s_ = 0;  ///< when the host set the time
+  double down_free_s_ = 0, up_free_s_ = 0;  ///< when the host's cable is free
+  double time_set_s_ = 0;                   ///< when the host set the time
   std::uint64_t time_then_ns_ = 0;
   bool time_known_ = false;
 };

@@ -136,7 +136,7 @@ EmulatedUnit::Result EmulatedUnit::carry_out(Moment at, std::span<const std::uin
   const std::uint8_t sequence = frame[0], command = frame[1];
   const std::span<const std::uint8_t> payload = frame.subspan(head_size());
   if (protocol_ != 5) {
-    if (command == 0x00) {  // Reset: the count begins anew
+    if (command == 0x00) {  // Reset: the count begins at 0 again
       expected_ = 0;
       ack_ = 0xff;
       last_command_ = -1;

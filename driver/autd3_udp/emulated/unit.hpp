@@ -52,7 +52,7 @@ class EmulatedUnit {
   Result carry_out(Moment at, std::span<const std::uint8_t> frame, bool late = false);
   /// What a heartbeat is answered with.
   Result last_result() const { return {ack_, result_.status, {}}; }
-  /// A frame or heartbeat has arrived, so the failsafe's time begins anew.
+  /// A frame or heartbeat has arrived, so the failsafe's time begins again.
   void host_spoke(double now_s);
   void queue_was_full(double now_s);
 

@@ -338,22 +338,33 @@ std::vector<ReviewedLine> of_studies() {
 }
 
 std::vector<ReviewedLine> of_emulate() {
-  return {{.line = "emulate openmpd --serial IDLE1",
-           .idle = joined<IdleOptions>({no_gpu_at_all,
-                                        {{"OPTION goes with autd3, not with openmpd", {"--port 0"}},
-                                         {"OPTION goes with sonicsurface, not with openmpd", {"--tactile"}},
-                                         {"OPTION goes with --view", {"--layout openmpd", "--board-files /"}}}}),
-           .untried = "--serial --uart --trace --view"},
-          {.line = "emulate autd3 --port 0",
-           .idle = {{"OPTION goes with openmpd, not with autd3", {"--uart", "--serial A"}},
-                    {"OPTION goes with sonicsurface, not with autd3", {"--tactile"}},
-                    {"OPTION goes with openmpd and sonicsurface, not with autd3", {"--board-files /"}}},
-           .untried = "--port --layout"},
-          {.line = "emulate sonicsurface",
-           .idle = {{"OPTION goes with openmpd, not with sonicsurface", {"--uart", "--serial A"}},
-                    {"OPTION goes with autd3, not with sonicsurface", {"--port 1"}},
-                    {"OPTION goes with --view", {"--board-files /"}}},
-           .untried = "--tactile --layout"}};
+  return {
+      {.line = "emulate openmpd --serial IDLE1",
+       .idle = joined<IdleOptions>(
+           {no_gpu_at_all,
+            {{"OPTION goes with autd3 and autd3-udp, not with openmpd", {"--port 0"}},
+             {"OPTION goes with autd3-udp, not with openmpd", {"--protocol 3", "--processing 1ms", "--fault lose=1%"}},
+             {"OPTION goes with sonicsurface, not with openmpd", {"--tactile"}},
+             {"OPTION goes with --view", {"--layout openmpd", "--board-files /"}}}}),
+       .untried = "--serial --uart --trace --view"},
+      {.line = "emulate autd3 --port 0",
+       .idle = {{"OPTION goes with openmpd, not with autd3", {"--uart", "--serial A"}},
+                {"OPTION goes with sonicsurface, not with autd3", {"--tactile"}},
+                {"OPTION goes with autd3-udp, not with autd3", {"--protocol 3", "--processing 1ms", "--fault lose=1%"}},
+                {"OPTION goes with openmpd and sonicsurface, not with autd3", {"--board-files /"}}},
+       .untried = "--port --layout"},
+      {.line = "emulate autd3-udp --port 0",
+       .idle = {{"OPTION goes with openmpd, not with autd3-udp", {"--uart", "--serial A"}},
+                {"OPTION goes with sonicsurface, not with autd3-udp", {"--tactile"}},
+                {"OPTION goes with openmpd and sonicsurface, not with autd3-udp", {"--board-files /"}}},
+       .untried = "--port --layout --protocol --processing --fault"},
+      {.line = "emulate sonicsurface",
+       .idle = {{"OPTION goes with openmpd, not with sonicsurface", {"--uart", "--serial A"}},
+                {"OPTION goes with autd3 and autd3-udp, not with sonicsurface", {"--port 1"}},
+                {"OPTION goes with autd3-udp, not with sonicsurface",
+                 {"--protocol 3", "--processing 1ms", "--fault lose=1%"}},
+                {"OPTION goes with --view", {"--board-files /"}}},
+       .untried = "--tactile --layout"}};
 }
 
 void write_inputs(const std::string& scratch) {
