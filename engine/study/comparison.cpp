@@ -66,7 +66,7 @@ std::vector<NamedTable> tables_of(const std::string& source, std::vector<std::st
       tables.push_back({fmt::format("{}: {}", source, name), std::move(table)});
   } else {
     CountsFile file = read_counts(source);
-    if (!file.warning.empty()) left_out.push_back(file.warning);
+    left_out.insert(left_out.end(), file.warnings.begin(), file.warnings.end());
     tables.push_back({source, std::move(file.table)});
   }
   return tables;

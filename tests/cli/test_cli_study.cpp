@@ -19,6 +19,7 @@
 #include "cli/support/tiny_files.hpp"
 #include "cli/support/told.hpp"
 #include "support/exhaustive.hpp"
+#include "support/occurrences.hpp"
 #include "support/own_cache.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
@@ -32,6 +33,11 @@ using nlohmann::json;
 constexpr const char* single =
     "actual,cube,semi-sphere,pyramid,prism\ncube,50,30,9,11\nsemi-sphere,23,42,16,19\n"
     "pyramid,13,37,26,24\nprism,17,18,27,38\n";
+
+/// The exit code of a program that does nothing, traced.
+int succeeded_under(const std::filesystem::path& strace) {
+  return run_program(strace, {"-qq", "-o", "/dev/null", "/bin/true"}).exit_code;
+}
 
 class CliStudy : public testing::Test {
  protected:
@@ -73,6 +79,47 @@ TEST_F(CliStudy, AnalysesTenParticipantsWithTheSameBytesForTheSameSeed) {
   const std::vector<std::string> one = reports();
   EXPECT_CONTAINS(one[1], "<svg");
   EXPECT_EQ(reports(), one);
+}
+
+/// The program is killed at the n-th call of one kind, for each n that there is: whatever the journal has as answered
+/// is then in the log, or the analysis names it.
+TEST_F(CliStudy, ProgramsThatAreKilledWhileTheyWriteLoseNoAnswerWithoutAWord) {
+  const std::filesystem::path strace = "/usr/bin/strace";
+  if (!std::filesystem::exists(strace)) GTEST_SKIP() << "skipped: no strace, with which programs are killed at a call";
+  if (succeeded_under(strace) != 0) GTEST_SKIP() << "skipped: no program may be traced here";
+  write_plan("palpa:pyramid.glb", "[[block]]\nkind = \"trial\"\n");
+  std::size_t named = 0, kills = 0;
+  for (const std::string call : {"fdatasync", "linkat", "rename"}) {
+    for (int n = 1;; ++n) {
+      const std::string out = path(fmt::format("{}-{}", call, n));
+      const Result run = run_program(strace,
+                                     {"-f", "-qq", "-o", "/dev/null", "-e", "trace=" + call, "-e",
+                                      fmt::format("inject={}:signal=KILL:when={}", call, n), palpa_binary(), "study",
+                                      "rehearse", path("plan.toml"), "--participant", "1", "--out", out, "--quiet"},
+                                     {.environment = {where_assets_are()}});
+      if (run.exit_code == 0) break;
+      ASSERT_EQ(run.signal, SIGKILL) << run.err;
+      ++kills;
+      const std::filesystem::path sub = std::filesystem::path(out) / "sub-01";
+      const auto journal = sub / "sub-01_journal.jsonl", log = sub / "beh/sub-01_task-shapes_run-01_events.tsv";
+      const auto count = [](const std::filesystem::path& file, const char* what) {
+        return std::filesystem::exists(file) ? occurrences(read_text(file), what) : 0;
+      };
+      const std::size_t answered = count(journal, "{\"what\":\"answer\""), logged = count(log, "\tanswered\t");
+      ASSERT_GE(answered, logged);
+      const Result analysis = palpa_here({"study", "analyse", out});
+      const std::string told = analysis.out + analysis.err;
+      if (answered > logged) {
+        ++named;
+        EXPECT_CONTAINS(told, "in no log, because the program was killed") << call << " " << n;
+      } else if (answered > 0) {
+        EXPECT_EQ(told.find("in no log"), std::string::npos) << call << " " << n << ": " << told;
+        EXPECT_CONTAINS(told, count(journal, "\"finish\"") == 0 ? "the sitting is not finished" : "1 participant");
+      }
+    }
+  }
+  EXPECT_GT(named, 3u);
+  EXPECT_GT(kills, 20u);
 }
 
 TEST_F(CliStudy, WarnsOfWhatIsLeftOut) {
@@ -146,11 +193,11 @@ TEST_F(CliStudy, ReportsReplaceNoFileOfAParticipant) {
   write_ten(folder_ / "mine");
   const auto participant = folder_ / "mine/sub-1";
   const std::string journal = participant / "sub-1_journal.jsonl", fresh = participant / "beh/new.html",
-                    told = "is in the folder of a participant";
+                    read = "is read by this command", told = "is in the folder of a participant";
   write_text(journal, "what was answered\n");
   for (const std::string option : {"--html", "--csv", "--json"}) {
-    expect_refused({"study", "analyse", path("mine"), option}, {{{journal}, told}, {{fresh}, told}});
-    expect_refused({"study", "compare", "paper", path("mine"), option}, {{{journal}, told}, {{fresh}, told}});
+    expect_refused({"study", "analyse", path("mine"), option}, {{{journal}, read}, {{fresh}, told}});
+    expect_refused({"study", "compare", "paper", path("mine"), option}, {{{journal}, read}, {{fresh}, told}});
   }
   EXPECT_EQ(read_text(journal), "what was answered\n");
   EXPECT_FALSE(std::filesystem::exists(fresh));

@@ -128,7 +128,8 @@ class KilledStudies(Marked):
         result = json.loads(done.stdout)
         for line in result["left_out"]:
             no_row = f"{self.sub()}/beh: has no log" in line and not any(self.sub().glob("beh/*_events.tsv"))  # killed before
-            if not no_row and not line.endswith(("it is analysed all the same", "has no answered trial; the participant is left out")):
+            killed = f"{self.sub().name}_journal.jsonl: " in line and (" because the program was killed " in line or "the sitting is not finished" in line)
+            if not no_row and not killed and not line.endswith(("it is analysed all the same", "has no answered trial; the participant is left out")):
                 self.fault(f"the analysis leaves out: {line}")
         return journals.results_of(result)
 

@@ -191,6 +191,8 @@ TEST_F(FingerRecorderTest, PacksTheSameBytesTheSameWay) {
   const std::string text(100'000, 'x');
   EXPECT_EQ(gzip_of(text), gzip_of(text));
   EXPECT_LT(gzip_of(text).size(), 1000u);
+  test::write_text(folder_.path / "filled", gzip_of(text) + std::string(512, '\0'));
+  EXPECT_EQ(read_gzip(folder_.path / "filled", 1 << 20, 1 << 20).text, text) << "zeros after its end";
   test::write_text(folder_.path / "packed", gzip_of(text) + gzip_of("") + gzip_of("end"));
   EXPECT_EQ(read_gzip(folder_.path / "packed", 1 << 20, 1 << 20).text, text + "end");
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "study/files/gzip.hpp"
-#include "study/sitting/journal.hpp"
+#include "study/files/journal.hpp"
 #include "study/sitting_plan.hpp"
 #include "support/exhaustive.hpp"
 #include "support/thrown.hpp"

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "study/files/events_file.hpp"
+#include "study/files/journal.hpp"
 #include "study/files/study_folder.hpp"
 #include "support/shared_data.hpp"
 #include "support/study_files.hpp"
@@ -187,6 +189,55 @@ TEST_F(StudyFolder, TheShapesAreThoseOfMostLogs) {
   // With as many of both kinds, the first log tells.
   std::filesystem::remove_all(folder_ / "sub-3");
   EXPECT_CONTAINS(testing::PrintToString(read_study(std::vector<std::string>{folder_.string()}).shapes), "cubo");
+}
+
+/// A journal with one run for each list of answered steps.
+std::string journal_of(const std::vector<std::vector<std::uint32_t>>& runs, bool finished) {
+  std::string text = head_line({.participant = 1, .plan_sha256 = "ab"}), digits(digits_of(text));
+  const auto add = [&](const Entry& entry) {
+    const std::string line = entry_line(entry, digits);
+    digits = digits_of(line);
+    text += line;
+  };
+  for (const std::vector<std::uint32_t>& steps : runs) {
+    add({.kind = EntryKind::start});
+    for (const std::uint32_t step : steps)
+      add({.kind = EntryKind::answer, .step = step, .text = "cube"});
+  }
+  if (finished) add({.kind = EntryKind::finish});
+  return text;
+}
+
+TEST_F(StudyFolder, AnswersThatAJournalHasAndNoLogAreNamed) {
+  test::write_ten(folder_);
+  const auto journal = folder_ / "sub-1/sub-1_journal.jsonl";
+  const auto log = [&](const char* run) { return folder_ / ("sub-1/beh/sub-1_task-shapes" + std::string(run)); };
+  const auto rows = static_cast<std::uint32_t>(
+      std::ranges::count(read_events(events_place(folder_, 1)).rows, EventStatus::answered, &EventRow::status));
+  std::filesystem::rename(events_place(folder_, 1), log("_run-01_events.tsv"));
+  std::string sidecar = events_place(folder_, 1).string();
+  sidecar.replace(sidecar.size() - 3, 3, "json");
+  std::filesystem::rename(sidecar, log("_run-01_events.json"));
+  std::vector<std::uint32_t> answered(rows);
+  for (std::uint32_t step = 0; step < rows; ++step)
+    answered[step] = step;
+  test::write_text(journal, journal_of({answered}, true));
+  EXPECT_TRUE(read().left_out.empty());
+  answered.push_back(98);
+  answered.push_back(99);
+  test::write_text(journal, journal_of({answered}, true));
+  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the answers of run 1 to step 98, 99 are in no log");
+  answered.resize(rows);
+  test::write_text(journal, journal_of({answered, {7}}, true));
+  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the answer of run 2 to step 7 is in no log");
+  test::write_text(journal, journal_of({answered, {}}, false));
+  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the sitting is not finished");
+  test::write_text(journal, journal_of({answered}, true) + "x");
+  EXPECT_TRUE(read().left_out.empty()) << "a line that was cut off while it was written";
+  std::string damaged = journal_of({answered}, true);
+  damaged[damaged.size() / 2] ^= 1;
+  test::write_text(journal, damaged);
+  EXPECT_CONTAINS(left_out(), "its answers are not compared with the logs");
 }
 
 TEST_F(StudyFolder, TwoParticipantsWithOneNumberAreRefused) {

@@ -41,7 +41,7 @@ bool is_folder(const std::string& source) {
 void analyse_counts(const AnalyseCommand& o, const Outputs& outputs) {
   study::CountsFile file = study::read_counts(o.sources[0]);
   std::vector<std::string> left_out;
-  if (!file.warning.empty()) left_out.push_back(file.warning);
+  left_out.insert(left_out.end(), file.warnings.begin(), file.warnings.end());
   warn_of(left_out);
   left_out = lines_in_reports(std::move(left_out), o.sources);
   const study::Comparison table = study::compare_tables({{names_in_reports(o.sources)[0], std::move(file.table)}});

@@ -42,7 +42,9 @@ Unpacked read_gzip(const std::filesystem::path& file, std::uint64_t most_packed,
     if (out.text.size() > most_bytes)
       throw bad_input(file.string(), fmt::format("has more than {} bytes unpacked", most_bytes));
     if (code == Z_STREAM_END) {
-      if (stream.avail_in == 0) return out;
+      // Zeros at the end are no data: tapes, disks and copies are filled with them.
+      if (std::all_of(stream.next_in, stream.next_in + stream.avail_in, [](Bytef byte) { return byte == 0; }))
+        return out;
       // Another packed file follows, which counts as the rest of this one.
       if (inflateReset(&stream) != Z_OK) throw bad_input(file.string(), "is damaged");
       continue;

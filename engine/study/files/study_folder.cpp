@@ -15,11 +15,13 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/input_file.hpp"
 #include "base/system/parallel.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "study/files/events_file.hpp"
 #include "study/files/finger_file.hpp"
+#include "study/files/journal.hpp"
 #include "study/tables/paper.hpp"
 
 namespace palpa::study {
@@ -118,6 +120,60 @@ void read_courses(const fs::path& events, Session& session, std::vector<std::str
   }
 }
 
+/// Names what the journal of a sitting has and no log does, because the program was killed between the two: answers,
+/// and the end. The logs are what is analysed.
+void compare_with_journal(Folder& folder) {
+  const fs::path file = folder.path / (folder.path.filename().string() + journal_end);
+  std::error_code fault;
+  if (!fs::is_regular_file(file, fault) || fs::file_size(file, fault) == 0) return;
+  Journal journal;
+  try {
+    journal = read_journal(read_file(file, most_journal_bytes), file.string());
+  } catch (const Error& error) {
+    if (error.code() != Exit::bad_input) throw;
+    folder.left_out.push_back(fmt::format("{}; its answers are not compared with the logs", error.what()));
+    return;
+  }
+  std::vector<std::vector<std::uint32_t>> runs;  // the steps that were answered in each
+  bool finished = false;
+  for (const Entry& entry : journal.entries) {
+    if (entry.kind == EntryKind::start) runs.emplace_back();
+    if (entry.kind == EntryKind::answer && !runs.empty()) runs.back().push_back(entry.step.value_or(0));
+    finished = finished || entry.kind == EntryKind::finish;
+  }
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    const std::string end = fmt::format("_run-{:02}{}", run + 1, events_end);
+    const auto log = std::ranges::find_if(folder.sessions,
+                                          [&](const Session& session) { return session.events.name.ends_with(end); });
+    const bool read = log != folder.sessions.end();
+    if (!read && fs::exists(folder.path / "beh" / (folder.path.filename().string() + "_task-shapes" + end), fault))
+      continue;  // it is left out, and a line says why
+    std::size_t logged = 0;
+    if (read) {
+      const EventsFile& events = log->events;
+      logged = static_cast<std::size_t>(
+          std::ranges::count(events.rows, EventStatus::answered, &EventRow::status) +
+          // Rows that cannot be used have lines of their own.
+          std::ranges::count_if(events.faults, [](const std::string& line) { return line.ends_with(" left out"); }));
+    }
+    if (logged >= runs[run].size()) continue;
+    const auto missing = std::span(runs[run]).subspan(logged);  // a log is written in the journal's order
+    folder.left_out.push_back(fmt::format(
+        "{}: {} of run {} to step {} {} in no log, because the program was killed before it wrote {}: the same palpa "
+        "study run or rehearse writes {}; until then {} left out",
+        file.string(), missing.size() == 1 ? "the answer" : "the answers", run + 1, fmt::join(missing, ", "),
+        missing.size() == 1 ? "is" : "are", missing.size() == 1 ? "it" : "them", missing.size() == 1 ? "it" : "them",
+        missing.size() == 1 ? "it is" : "they are"));
+  }
+  if (!finished && !runs.empty()) {
+    folder.left_out.push_back(
+        fmt::format("{}: the sitting is not finished: the same palpa study run or rehearse continues it; what was "
+                    "answered so far is "
+                    "analysed all the same",
+                    file.string()));
+  }
+}
+
 void read_participant(Folder& folder) {
   const fs::path inside = folder.path / "beh";
   std::error_code fault;
@@ -164,6 +220,7 @@ void read_participant(Folder& folder) {
     read_courses(path, session, folder.left_out);
     folder.sessions.push_back(std::move(session));
   }
+  compare_with_journal(folder);
   if (files == 0) {
     folder.left_out.push_back(
         fmt::format("{}: has no log, such as sub-{}_task-shapes_events.tsv; the participant is "

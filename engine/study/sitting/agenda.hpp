@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "study/plan/order.hpp"
-#include "study/sitting/journal.hpp"
+#include "study/files/journal.hpp"
 
 namespace palpa::study {
 

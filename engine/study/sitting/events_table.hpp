@@ -9,7 +9,7 @@
 
 #include "study/plan/order.hpp"
 #include "study/plan/plan.hpp"
-#include "study/sitting/journal.hpp"
+#include "study/files/journal.hpp"
 
 namespace palpa::study {
 

@@ -38,7 +38,7 @@ std::string ParticipantFolder::name() const {
 }
 
 fs::path ParticipantFolder::journal() const {
-  return path / (name() + "_journal.jsonl");
+  return path / (name() + journal_end);
 }
 
 fs::path ParticipantFolder::tombstone() const {

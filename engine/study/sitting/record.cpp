@@ -290,15 +290,18 @@ void Record::refuse_unknown_files(std::span<const Entry> entries) const {
 
 void Record::write_log(std::uint32_t run, std::span<const Entry> entries, bool ended) const {
   const std::string table = events_table(*plan_, steps_, entries);
-  // The sidecar first: without a checksum, it fits any table.
-  const auto sidecar = [&](bool with_checksum) {
-    write_file(folder_.file(run, "_events.json"),
-               events_sidecar(*plan_, folder_.number, entries, table, with_checksum));
-  };
-  sidecar(false);
-  write_file(folder_.file(run, end_of_log), table);
-  write_file(folder_.file(run, "_stimuli.json"), stimuli_json(*plan_, steps_, entries));
-  if (ended) sidecar(true);
+  // All are written before the first is put into its place, so that hardly anything can come between them. The sidecar
+  // is first: without a checksum, it fits any table.
+  OutputFile sidecar(folder_.file(run, "_events.json")), log(folder_.file(run, end_of_log)),
+      stimuli(folder_.file(run, "_stimuli.json"));
+  sidecar.write(events_sidecar(*plan_, folder_.number, entries, table, false));
+  log.write(table);
+  stimuli.write(stimuli_json(*plan_, steps_, entries));
+  sidecar.finish();
+  log.finish();
+  stimuli.finish();
+  if (ended)
+    write_file(folder_.file(run, "_events.json"), events_sidecar(*plan_, folder_.number, entries, table, true));
 }
 
 void Record::write_logs(bool ended) const {

@@ -14,7 +14,7 @@
 #include "study/plan/order.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/agenda.hpp"
-#include "study/sitting/journal.hpp"
+#include "study/files/journal.hpp"
 #include "study/sitting/participant_folder.hpp"
 
 namespace palpa::study {

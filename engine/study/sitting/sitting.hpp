@@ -14,7 +14,7 @@
 
 #include "study/plan/plan.hpp"
 #include "study/sitting/agenda.hpp"
-#include "study/sitting/journal.hpp"
+#include "study/files/journal.hpp"
 
 namespace palpa::study {
 

@@ -1,4 +1,4 @@
-#include "study/sitting/journal.hpp"
+#include "study/files/journal.hpp"
 
 #include <fmt/core.h>
 
