@@ -209,6 +209,8 @@ class BagSource final : public sensing::DepthSource {
                                bag_.file()));
     if (const std::string odd = sensing::implausible_unit(sensor.camera.depth_unit_m); !odd.empty())
       log::warning(fmt::format("{}: {}", bag_.file(), odd));
+    if (const std::string odd = sensing::implausible_lens(sensor.camera); !odd.empty())
+      log::warning(fmt::format("{}: its camera: {}", bag_.file(), odd));
     chosen_ = topic;
     cameras_ = {sensor.camera};
     cameras_[0].name = sensor_of(topic);

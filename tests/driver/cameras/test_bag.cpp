@@ -156,6 +156,12 @@ TEST(Bag, MissingPartsAreReportedOrRefused) {
   EXPECT_REFUSED(play(bag.bytes()), "has no depth of a RealSense");
 }
 
+TEST(Bag, ALensThatCannotBeIsWarnedOf) {
+  MadeUpBag bag;
+  bag.fx = 1.9;
+  EXPECT_CONTAINS(said_of(bag.bytes(), 4), "take.bag: its camera: fx = 1.9 makes the picture 153 degrees wide");
+}
+
 TEST(Bag, OfSeveralCamerasTheOneWhoseImageIsFirstIsPlayedWithItsOwnLensUnitAndRate) {
   MadeUpBag other;
   other.width = 24;
