@@ -249,7 +249,7 @@ namespace {
 /// Files that other sources take.
 void refuse_other_source(const std::filesystem::path& file) {
   const std::string head = InputFile(file).head(16);
-  if (head.starts_with("#ROSBAG"))
+  if (head.starts_with("#ROSBAG") || head.starts_with("SQLite format 3"))
     throw bad_input(file.string(), fmt::format("is a recording of RealSense Viewer: give it as bag:{}", file.string()));
   if (head.starts_with('{'))
     throw bad_input(file.string(), fmt::format("has lines of JSON: if they are hands, give joints:{}", file.string()));

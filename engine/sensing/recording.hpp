@@ -66,9 +66,9 @@ struct Recording {
 /// The first line of `times.csv`: "sequence,time_0_s,time_1_s" with two cameras.
 std::string times_heading(std::size_t cameras);
 
-/// Why these times of frames, ascending, are hardly seconds; empty if they may be. `rate_hz`: what is said of the rate
-/// elsewhere; 0 if nothing is. Times in another unit are more than 5 s apart, or not within a factor of 10 of the rate.
-/// Whole numbers that mostly ascend by 1 are frame numbers, if the rate is unknown or at least 2 Hz.
+/// Why these times of frames, ascending, are hardly seconds; empty if they may be. `rate_hz`: the rate that is stated
+/// elsewhere, or 0. Times in another unit are more than 5 s apart, or not within a factor of 10 of the rate. Whole
+/// numbers that mostly ascend by 1 are frame numbers, if the rate is unknown or at least 2 Hz.
 std::string implausible_times(std::span<const double> times_s, double rate_hz);
 
 /// Reads `recording.toml` of a folder, or the given TOML file. Throws bad_input naming file, line and fault: any fault
