@@ -11,6 +11,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(PNG REQUIRED)
 # It comes with libpng, which needs it.
 find_package(ZLIB REQUIRED)
+find_package(SQLite3 REQUIRED)
 find_path(VOLK_INCLUDE_DIR volk.h REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
@@ -74,7 +75,7 @@ foreach(library IN ITEMS "CLI11 ${CLI11_VERSION}" "D-Bus ${DBUS_VERSION}" "draco
                          "liblo ${LIBLO_VERSION}" "libmd ${LIBMD_VERSION}" "libpng ${PNG_VERSION_STRING}"
                          "libusb ${LIBUSB_VERSION}" "lz4 ${LZ4_VERSION}" "meshoptimizer ${meshoptimizer_VERSION}"
                          "nlohmann-json ${nlohmann_json_VERSION}" "OpenBLAS ${OPENBLAS_VERSION}"
-                         "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "tinygltf ${TINYGLTF_VERSION}"
+                         "qhull ${QHULL_VERSION}" "SDL2 ${SDL2_VERSION}" "SQLite ${SQLite3_VERSION}" "tinygltf ${TINYGLTF_VERSION}"
                          "toml++ ${tomlplusplus_VERSION}"
                          "Vulkan ${Vulkan_VERSION}" "zlib ${ZLIB_VERSION_STRING}")
   if(library MATCHES " [0-9]")

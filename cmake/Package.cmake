@@ -87,7 +87,7 @@ describe(palpa-viewer science "palpa (= ${PROJECT_VERSION})" "feel a 3-D model i
          "This package has the viewer, which shows a touch or a live run in a window or\nas a picture.")
 set(dev libvulkan-dev libvulkan-volk-dev libglm-dev libfmt-dev libpng-dev zlib1g-dev libcli11-dev libdraco-dev
         libmeshoptimizer-dev libtomlplusplus-dev nlohmann-json3-dev libqhull-dev libusb-1.0-0-dev liblz4-dev libmd-dev
-        pkg-config)
+        libsqlite3-dev pkg-config)
 if(LIBLO_FOUND)
   list(APPEND dev liblo-dev)
 endif()

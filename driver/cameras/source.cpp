@@ -38,6 +38,8 @@ class Cameras final : public sensing::DepthSource {
         camera.cx = lens->cx;
         camera.cy = lens->cy;
         camera.distortion = lens->distortion;
+        if (const std::string odd = sensing::implausible_lens(camera); !odd.empty())
+          log::warning(fmt::format("camera '{}': its own calibration: {}", camera.name, odd));
       }
       camera.device = {};  // the settings have been applied; a recording of it is a file
       camera.rate_hz = 1 / live_.back().period_s();

@@ -10,14 +10,13 @@
 #include <string_view>
 
 #include "base/error.hpp"
-#include "base/files/outputs.hpp"
+#include "driver/rosbag/cursor.hpp"
 
 namespace palpa::driver::rosbag {
 namespace {
 
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
 constexpr std::uint32_t most_header_bytes = 1u << 16;
-constexpr std::size_t most_connections = 10'000, most_topic_bytes = 256;
 
 void check_header(std::size_t bytes) {
   if (bytes > most_header_bytes)
@@ -82,12 +81,21 @@ Bag::Bag(const std::string& file) : in_(file), size_(in_.size()) {
   std::vector<std::uint8_t> begin;
   if (!read(begin, magic.size()) || Cursor::as_text(begin) != magic) {
     throw bad_input(
-        file, "is not a bag of format 2.0: such a file begins with #ROSBAG V2.0; RealSense Viewer records such bags");
+        file,
+        "is neither a database of SQLite nor a bag of format 2.0, which begins with #ROSBAG V2.0; RealSense "
+        "Viewer records .db3, and .bag before its version 2.58.1");
   }
 }
 
 void Bag::fault(const std::string& what) const {
   throw bad_input(file(), fmt::format("byte {}: {}", record_at_, what));
+}
+
+std::vector<std::string> Bag::topics() const {
+  std::vector<std::string> names;
+  for (const auto& [connection, topic] : topics_)
+    names.push_back(topic);
+  return names;
 }
 
 bool Bag::read(std::vector<std::uint8_t>& into, std::uint64_t bytes) {
@@ -118,8 +126,8 @@ void Bag::add_connection(const Header& header) {
   if (!header.connection || header.topic.empty()) throw Malformed("a connection has no number or no topic");
   if (header.topic.size() > most_topic_bytes)
     throw Malformed(fmt::format("a topic has a name of {} bytes", header.topic.size()));
-  if (topics_.size() >= most_connections && !topics_.contains(*header.connection))
-    throw Malformed(fmt::format("there are more than {} connections", most_connections));
+  if (topics_.size() >= most_topics && !topics_.contains(*header.connection))
+    throw Malformed(fmt::format("there are more than {} connections", most_topics));
   topics_[*header.connection] = std::string(header.topic);
 }
 
@@ -191,7 +199,7 @@ bool Bag::next_in_chunk(Message& message) {
     if (!header.connection || !header.time_s) throw Malformed("a message has no connection or no time");
     const auto topic = topics_.find(*header.connection);
     if (topic == topics_.end()) throw Malformed("a message of a connection that was never described");
-    message = {&topic->second, *header.time_s, data};
+    message = {&topic->second, *header.time_s, data, Encoding::ros};
     return true;
   }
   return false;

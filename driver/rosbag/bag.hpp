@@ -6,23 +6,15 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "base/files/input_file.hpp"
-#include "driver/rosbag/cursor.hpp"
+#include "driver/rosbag/message.hpp"
 
 namespace palpa::driver::rosbag {
 
-/// Valid until the next one is read.
-struct Message {
-  const std::string* topic = nullptr;
-  double time_s = 0;  ///< when it was recorded
-  std::span<const std::uint8_t> data;
-};
-
-class Bag {
+class Bag final : public MessageReader {
  public:
   /// A chunk, compressed or not, is held in memory whole. RealSense Viewer's chunks have a few megabytes.
   static constexpr std::uint64_t most_chunk_bytes = 64u << 20;
@@ -30,16 +22,13 @@ class Bag {
   /// Throws as InputFile does, and bad_input for a file that is not a bag of this format.
   explicit Bag(const std::string& file);
 
-  /// Returns false at the end. Throws bad_input that names file, byte and fault, for broken records, chunks above
-  /// most_chunk_bytes, and chunks compressed with anything but lz4.
-  bool next(Message& message);
-  /// Where the file was cut short: "in the middle of a record", or "before its index", which a recorder writes last.
-  /// Null if it was not, or if its end is not reached.
-  const char* cut_short() const { return cut_short_; }
-
-  const std::string& file() const { return in_.name(); }
-  /// Throws an Error that names where the record began that next() read last.
-  [[noreturn]] void fault(const std::string& what) const;
+  /// Throws bad_input for broken records, chunks above most_chunk_bytes, and chunks compressed with anything but lz4.
+  bool next(Message& message) override;
+  /// "in the middle of a record", or "before its index", which a recorder writes last.
+  const char* cut_short() const override { return cut_short_; }
+  const std::string& file() const override { return in_.name(); }
+  [[noreturn]] void fault(const std::string& what) const override;
+  std::vector<std::string> topics() const override;
 
  private:
   struct Header;

@@ -1,6 +1,7 @@
 // Reads little-endian values one after the other from untrusted bytes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,13 +21,16 @@ class Malformed : public std::runtime_error {
 
 class Cursor {
  public:
-  explicit Cursor(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  /// `aligned`: each value begins at a multiple of its size, and a text ends with a zero, as in CDR.
+  explicit Cursor(std::span<const std::uint8_t> bytes, bool aligned = false)
+      : bytes_(bytes), whole_(bytes.size()), aligned_(aligned) {}
 
   std::size_t left() const { return bytes_.size(); }
 
   template <typename Number>
   Number take() {
     static_assert(std::is_arithmetic_v<Number>);
+    if (const std::size_t past = (whole_ - left()) % sizeof(Number); aligned_ && past > 0) bytes(sizeof(Number) - past);
     Number value;
     std::memcpy(&value, bytes(sizeof(Number)).data(), sizeof(Number));
     return value;
@@ -39,7 +43,10 @@ class Cursor {
   }
   /// The bytes that follow a length of 32 bits.
   std::span<const std::uint8_t> counted() { return bytes(take<std::uint32_t>()); }
-  std::string_view text() { return as_text(counted()); }
+  std::string_view text() {
+    const std::string_view all = as_text(counted());
+    return aligned_ && all.ends_with('\0') ? all.substr(0, all.size() - 1) : all;
+  }
 
   static std::string_view as_text(std::span<const std::uint8_t> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -47,6 +54,8 @@ class Cursor {
 
  private:
   std::span<const std::uint8_t> bytes_;
+  std::size_t whole_;
+  bool aligned_;
 };
 
 }  // namespace palpa::driver::rosbag

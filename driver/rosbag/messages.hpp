@@ -1,31 +1,40 @@
-// The ROS messages that a RealSense recording is read from. Each parser throws Malformed for a message that is not
-// consistent.
+// What the messages of a RealSense recording mean. They come in three forms: messages of ROS, messages of
+// ROS 2, and texts of ROS 2. Each parser throws Malformed for a message that is not consistent.
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "driver/rosbag/message.hpp"
 #include "sensing/camera.hpp"
 
 namespace palpa::driver::rosbag {
 
-/// Reads sensor_msgs/CameraInfo into size, focal lengths, centre and distortion of `camera`, and changes nothing else
-/// in it. Refuses a lens whose distortion cannot be undone over the whole image, and distorting models other than
-/// Brown-Conrady's.
-void read_camera_info(std::span<const std::uint8_t> message, sensing::Camera& camera);
+/// What a message says about a depth camera, or about a sensor that may be one.
+enum class Says { nothing, unit, lens, rate, image };
 
-/// std_msgs/Float32.
-float read_float(std::span<const std::uint8_t> message);
+/// Which of them a topic is about.
+Says says_of(std::string_view topic);
+/// The same of a topic of ROS 2, which must have the type that palpa reads there.
+Says says_of(std::string_view topic, std::string_view type);
+inline constexpr std::string_view camera_info_type = "sensor_msgs/msg/CameraInfo";
 
-/// The frames per second of realsense_msgs/StreamInfo.
-std::uint32_t read_rate(std::span<const std::uint8_t> message);
+/// "/device_0/sensor_0" of "/device_0/sensor_0/Depth_0/image/data".
+std::string sensor_of(std::string_view topic);
 
-/// A sensor_msgs/Image of 16 bits per pixel; `rows` points into the message.
-struct DepthImage {
-  std::uint32_t width = 0, height = 0, step = 0;  ///< step: bytes from row to row
-  std::span<const std::uint8_t> rows;
-};
-DepthImage read_depth_image(std::span<const std::uint8_t> message);
+/// Reads size, focal lengths, centre and distortion of `camera`, and changes nothing else in it. Refuses a lens whose
+/// distortion cannot be undone over the whole image, and distorting models other than Brown-Conrady's.
+void read_lens(const Message& message, sensing::Camera& camera);
+
+/// Metres per step of depth, 1e-9 to 1.
+double read_unit_m(const Message& message);
+
+/// Frames per second.
+double read_rate(const Message& message);
+
+/// A depth image of exactly the camera's size.
+void read_image(const Message& message, const sensing::Camera& camera, std::vector<std::uint16_t>& depth);
 
 }  // namespace palpa::driver::rosbag

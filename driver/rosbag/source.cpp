@@ -6,19 +6,20 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files/input_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "driver/rosbag/bag.hpp"
+#include "driver/rosbag/cursor.hpp"
+#include "driver/rosbag/database.hpp"
 #include "driver/rosbag/messages.hpp"
 
 namespace palpa::driver::rosbag {
@@ -26,24 +27,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::string_view image_part = "/image/data", depth_part = "/Depth_", info_part = "/info",
-                           lens_part = "/info/camera_info";
-/// Since 2.20, librealsense writes option names with underscores; before that, as they are.
-constexpr std::string_view unit_parts[] = {"/option/Depth_Units/value", "/option/Depth Units/value"};
 constexpr std::size_t most_sensors = 64;
 /// A clock that moves on by more than this between two images was set. Nobody waits that long in silence.
 constexpr double longest_gap_s = 3600;
 constexpr double default_interval_s = 1.0 / 30;  ///< of a camera whose rate the bag does not say
 
-/// "/device_0/sensor_0" of "/device_0/sensor_0/Depth_0/image/data".
-std::string sensor_of(std::string_view topic) {
-  std::size_t end = topic.find('/', 1);
-  if (end != std::string_view::npos) end = topic.find('/', end + 1);
-  return std::string(topic.substr(0, end));
-}
-
-bool is_depth(std::string_view topic) {
-  return topic.substr(sensor_of(topic).size()).starts_with(depth_part);
+std::unique_ptr<MessageReader> open_reader(const std::string& file) {
+  if (is_database(InputFile(file).head(16))) return open_database(file);
+  return std::make_unique<Bag>(file);
 }
 
 /// What the bag says about a sensor that has depth.
@@ -60,17 +51,15 @@ struct Frame {
 
 class BagSource final : public sensing::DepthSource {
  public:
-  BagSource(const std::string& file, const sensing::Camera* posed, bool paced) : bag_(file), paced_(paced) {
+  BagSource(const std::string& file, const sensing::Camera* posed, bool paced)
+      : bag_(open_reader(file)), paced_(paced) {
     there_ = read(next_);
-    if (!there_ && bag_.cut_short()) {
+    if (!there_ && bag_->cut_short()) {
       throw bad_input(file, fmt::format("ends {}, before its first depth image: the recording was cut short; record it "
                                         "again, or copy the whole file",
-                                        bag_.cut_short()));
+                                        bag_->cut_short()));
     }
-    if (!there_)
-      throw bad_input(
-          file,
-          "has no depth of a RealSense: there is no image on a topic such as /device_0/sensor_0/Depth_0/image/data");
+    if (!there_) refuse_without_depth();
     place(posed);
     first_s_ = next_.time_s;
     more_ = read(after_);
@@ -93,6 +82,19 @@ class BagSource final : public sensing::DepthSource {
   }
 
  private:
+  [[noreturn]] void refuse_without_depth() const {
+    constexpr std::size_t most_named = 3, most_bytes = 80;
+    const std::vector<std::string> topics = bag_->topics();
+    std::string there;
+    for (std::size_t i = 0; i < std::min(topics.size(), most_named); ++i)
+      there += fmt::format("{}{}", i == 0 ? "" : ", ", printable(topics[i], most_bytes));
+    if (topics.size() > most_named) there += fmt::format(" and {} more", topics.size() - most_named);
+    throw bad_input(bag_->file(), fmt::format("has no depth of a RealSense: there is no image on a topic such as "
+                                              "/device_0/sensor_0/Depth_0/image/data or "
+                                              ".../image/data/compressedDepth; {}",
+                                              there.empty() ? "it has no topic" : "its topics are " + there));
+  }
+
   /// Waits until the next frame is due. A late caller gets the newest frame, but the very last one is never dropped.
   bool wait(double timeout_s) {
     if (!start_) start_ = Clock::now();
@@ -112,47 +114,45 @@ class BagSource final : public sensing::DepthSource {
 
   /// Reads the bag's next depth image, and notes everything about its sensor on the way.
   bool read(Frame& frame) {
-    for (Message message; bag_.next(message);) {
+    for (Message message; bag_->next(message);) {
       try {
         if (take(message, frame)) return true;
       } catch (const Malformed& malformed) {
-        bag_.fault(fmt::format("topic {}: {}", *message.topic, malformed.what()));
+        bag_->fault(fmt::format("topic {}: {}", *message.topic, malformed.what()));
       }
     }
-    if (bag_.cut_short() && read_ > 0)
-      log::warning(fmt::format("{}: ends {}, after {}; the recording was cut short", bag_.file(), bag_.cut_short(),
+    if (bag_->cut_short() && read_ > 0)
+      log::warning(fmt::format("{}: ends {}, after {}; the recording was cut short", bag_->file(), bag_->cut_short(),
                                counted(read_, "depth frame")));
     return false;
   }
 
   bool take(const Message& message, Frame& frame) {
-    const std::string_view topic = *message.topic;
-    if (std::ranges::any_of(unit_parts, [&](std::string_view part) { return topic.ends_with(part); }))
-      note_unit(topic, message.data);
-    if (!is_depth(topic)) return false;
-    Sensor& sensor = sensor_at(topic);
-    if (topic.ends_with(lens_part)) {
-      if (chosen_.empty()) read_camera_info(message.data, sensor.camera);
-      sensor.has_lens = true;
-    } else if (topic.ends_with(info_part)) {
-      sensor.camera.rate_hz = read_rate(message.data);
-    } else if (topic.ends_with(image_part)) {
-      return take_image(message, sensor, frame);
+    const Says says = says_of(*message.topic);
+    if (says == Says::nothing) return false;
+    Sensor& sensor = sensor_at(*message.topic);
+    switch (says) {
+      case Says::unit:
+        note_unit(message, sensor);
+        return false;
+      case Says::lens:
+        if (chosen_.empty()) read_lens(message, sensor.camera);
+        sensor.has_lens = true;
+        return false;
+      case Says::rate:
+        sensor.camera.rate_hz = read_rate(message);
+        return false;
+      default:
+        return take_image(message, sensor, frame);
     }
-    return false;
   }
 
-  void note_unit(std::string_view topic, std::span<const std::uint8_t> message) {
-    Sensor& sensor = sensor_at(topic);
-    const double unit_m = static_cast<double>(read_float(message));
-    if (!(unit_m >= 1e-9 && unit_m <= 1))
-      throw Malformed(fmt::format("the depth unit is {:.4g} m, not 1e-9 to 1", unit_m));
-    // The bag has it as a float: 0.0001f is meant to be 0.0001.
-    const double meant_m = std::round(unit_m * 1e9) * 1e-9;
-    if (!chosen_.empty() && sensor_of(chosen_) == sensor_of(topic) && cameras_[0].depth_unit_m != meant_m)
-      throw Malformed(fmt::format("the depth unit changes to {:g} m after an image with {:g} m", meant_m,
-                                  cameras_[0].depth_unit_m));
-    sensor.camera.depth_unit_m = meant_m;
+  void note_unit(const Message& message, Sensor& sensor) {
+    const double unit_m = read_unit_m(message);
+    if (!chosen_.empty() && sensor_of(chosen_) == sensor_of(*message.topic) && cameras_[0].depth_unit_m != unit_m)
+      throw Malformed(
+          fmt::format("the depth unit changes to {:g} m after an image with {:g} m", unit_m, cameras_[0].depth_unit_m));
+    sensor.camera.depth_unit_m = unit_m;
     sensor.has_unit = true;
   }
 
@@ -160,19 +160,10 @@ class BagSource final : public sensing::DepthSource {
     if (chosen_.empty()) choose(*message.topic, sensor);
     if (chosen_ != *message.topic) {
       if (!std::exchange(others_said_, true))
-        log::warning(fmt::format("{}: has several depth cameras; {} is played", bag_.file(), chosen_));
+        log::warning(fmt::format("{}: has several depth cameras; {} is played", bag_->file(), chosen_));
       return false;
     }
-    const DepthImage image = read_depth_image(message.data);
-    const sensing::Camera& camera = cameras_[0];
-    if (image.width != camera.width || image.height != camera.height)
-      throw Malformed(fmt::format("an image has {}x{} pixels, but its camera has {}x{}", image.width, image.height,
-                                  camera.width, camera.height));
-    frame.depth.resize(sensing::pixel_count(camera));
-    const std::size_t row = std::size_t{image.width} * sizeof(std::uint16_t);
-    for (std::uint32_t v = 0; v < image.height; ++v)
-      std::memcpy(frame.depth.data() + std::size_t{v} * image.width, image.rows.data() + std::size_t{v} * image.step,
-                  row);
+    read_image(message, cameras_[0], frame.depth);
     frame.time_s = last_s_ = read_ > 0 ? time_after(last_s_, message.time_s) : message.time_s;
     frame.sequence = read_++;
     return true;
@@ -195,7 +186,7 @@ class BagSource final : public sensing::DepthSource {
         log::warning(
             fmt::format("{}: its clock {} after {}; palpa plays every frame, and continues their times at "
                         "{:.3g} Hz from there",
-                        bag_.file(), step, counted(read_, "depth frame"), 1 / interval_s));
+                        bag_->file(), step, counted(read_, "depth frame"), 1 / interval_s));
       }
       shift_s_ = last_s + interval_s - stamp_s;
     }
@@ -206,9 +197,11 @@ class BagSource final : public sensing::DepthSource {
     if (!sensor.has_lens) throw Malformed("an image comes before the camera_info that describes it");
     if (!sensor.has_unit)
       log::warning(fmt::format("{}: does not say its depth unit; palpa assumes 1 mm, the default of RealSense cameras",
-                               bag_.file()));
+                               bag_->file()));
     if (const std::string odd = sensing::implausible_unit(sensor.camera.depth_unit_m); !odd.empty())
-      log::warning(fmt::format("{}: {}", bag_.file(), odd));
+      log::warning(fmt::format("{}: {}", bag_->file(), odd));
+    if (const std::string odd = sensing::implausible_lens(sensor.camera); !odd.empty())
+      log::warning(fmt::format("{}: its camera: {}", bag_->file(), odd));
     chosen_ = topic;
     cameras_ = {sensor.camera};
     cameras_[0].name = sensor_of(topic);
@@ -222,7 +215,7 @@ class BagSource final : public sensing::DepthSource {
                       "with one [[camera]] and its T_world_camera (palpa doctor --write-rig rig.toml --source bag:{0} "
                       "writes one, and palpa calibrate --rig rig.toml --source bag:TARGET.bag --out calibrated.toml "
                       "finds the pose, from a bag of the same camera in the same place that shows the printed target)",
-                      bag_.file()));
+                      bag_->file()));
       return;
     }
     camera.name = posed->name;
@@ -233,12 +226,12 @@ class BagSource final : public sensing::DepthSource {
       camera.mask = posed->mask;
       camera.background = posed->background;
     } else if (posed->roi || posed->mask || posed->background) {
-      throw bad_input(bag_.file(), fmt::format("has images of {}x{}, but the rig's roi, mask and background are for "
-                                               "{}x{}: leave them out of the rig, or make new ones",
-                                               camera.width, camera.height, posed->width, posed->height));
+      throw bad_input(bag_->file(), fmt::format("has images of {}x{}, but the rig's roi, mask and background are for "
+                                                "{}x{}: leave them out of the rig, or make new ones",
+                                                camera.width, camera.height, posed->width, posed->height));
     }
     if (camera.background && std::abs(posed->depth_unit_m / camera.depth_unit_m - 1) > 1e-6) {
-      throw bad_input(bag_.file(),
+      throw bad_input(bag_->file(),
                       fmt::format("has depths in steps of {:g} m, but the rig's background has steps of {:g} "
                                   "m: set depth_unit_m in the rig and learn the background again",
                                   camera.depth_unit_m, posed->depth_unit_m));
@@ -252,7 +245,7 @@ class BagSource final : public sensing::DepthSource {
     return sensors_[std::move(name)];
   }
 
-  Bag bag_;
+  std::unique_ptr<MessageReader> bag_;
   bool paced_;
   std::map<std::string, Sensor> sensors_;
   std::string chosen_;  ///< the topic that is played

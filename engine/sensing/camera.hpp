@@ -59,6 +59,12 @@ std::string implausible_range(double min_range_m);
 /// Why depths in steps of this unit are implausible, and what would be usual; empty if they are not.
 std::string implausible_unit(double depth_unit_m);
 
+/// What looks wrong in size, fx, fy, cx and cy, and what may be meant: a picture far wider or narrower than a depth
+/// camera's, pixels that are no squares, a principal point outside the picture, in its corner, with its two numbers
+/// exchanged, or of a picture of another size. Empty if nothing does. Lists at most one fault of the focal lengths and
+/// one of the principal point.
+std::string implausible_lens(const Camera& camera);
+
 /// Whether some pixels are ignored. Ignored pixels hold no skin at any depth, for example sleeves and table tops.
 inline bool ignores_pixels(const Camera& camera) {
   return camera.roi || camera.mask;

@@ -187,31 +187,34 @@ std::vector<png_bytep> rows_of(const Pixel* pixels, std::uint32_t width, std::ui
   return rows;
 }
 
-/// `what` describes such an image in messages: "a depth image".
+/// Returns what is wrong, in words that follow the image's name; empty if nothing is. `what` describes such an image:
+/// "a depth image".
 template <typename Pixel>
-void read_png(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height, const char* what,
-              std::vector<Pixel>& out, std::string* camera = nullptr) {
+std::string decode_png(std::string_view bytes, std::uint32_t width, std::uint32_t height, const char* what,
+                       std::vector<Pixel>& out, std::string* camera = nullptr) {
   constexpr int bits = 8 * sizeof(Pixel);
-  const std::string bytes = read_file(file, most_png_bytes(width, height, sizeof(Pixel)));
-  const auto broken = [&](std::string_view fault) {
-    return bad_input(file.string(), fmt::format("is a broken PNG file: {}", fault));
-  };
-  if (bytes.size() < 8 || png_sig_cmp(as_bytes(bytes), 0, 8) != 0) throw bad_input(file.string(), "is not a PNG file");
-  if (const auto fault = promise_fault(bytes)) throw broken(*fault);
+  const auto broken = [](std::string_view fault) { return fmt::format("is a broken PNG file: {}", fault); };
+  if (bytes.size() < 8 || png_sig_cmp(as_bytes(bytes), 0, 8) != 0) return "is not a PNG file";
+  if (const auto fault = promise_fault(bytes)) return broken(*fault);
   PngReader png(bytes);
   if (!png.info) throw failure("out of memory");
-  if (!png.read_header()) throw broken(png.fault.text);
-  if (png.bits != bits || png.colour != PNG_COLOR_TYPE_GRAY) {
-    throw bad_input(file.string(), fmt::format("is a {} PNG, but {} must be {}-bit grey", png.kind(), what, bits));
-  }
-  if (png.width != width || png.height != height) {
-    throw bad_input(file.string(),
-                    fmt::format("is {}x{} pixels, but its camera is {}x{}", png.width, png.height, width, height));
-  }
+  if (!png.read_header()) return broken(png.fault.text);
+  if (png.bits != bits || png.colour != PNG_COLOR_TYPE_GRAY)
+    return fmt::format("is a {} PNG, but {} must be {}-bit grey", png.kind(), what, bits);
+  if (png.width != width || png.height != height)
+    return fmt::format("is {}x{} pixels, but its camera is {}x{}", png.width, png.height, width, height);
   if (camera) *camera = png.text(camera_keyword);
   out.resize(std::size_t{width} * height);
   std::vector<png_bytep> rows = rows_of(out.data(), width, height);
-  if (!png.read_rows(rows.data())) throw broken(png.fault.text);
+  return png.read_rows(rows.data()) ? "" : broken(png.fault.text);
+}
+
+template <typename Pixel>
+void read_png(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height, const char* what,
+              std::vector<Pixel>& out, std::string* camera = nullptr) {
+  const std::string bytes = read_file(file, most_png_bytes(width, height, sizeof(Pixel)));
+  const std::string fault = decode_png(bytes, width, height, what, out, camera);
+  if (!fault.empty()) throw bad_input(file.string(), fault);
 }
 
 template <typename Pixel>
@@ -245,6 +248,11 @@ void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uin
 void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                std::vector<std::uint8_t>& out) {
   read_png(file, width, height, "a mask", out);
+}
+
+std::string decode_png16(std::string_view png, std::uint32_t width, std::uint32_t height,
+                         std::vector<std::uint16_t>& out) {
+  return decode_png(png, width, height, "a depth image", out);
 }
 
 void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,

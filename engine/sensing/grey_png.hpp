@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace palpa::sensing {
@@ -22,6 +23,10 @@ void read_png8(const std::filesystem::path& file, std::uint32_t width, std::uint
 /// The same, with the text that write_png16 was given as `camera`, or an empty one.
 void read_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,
                 std::vector<std::uint16_t>& out, std::string& camera);
+
+/// The same from memory. Returns what is wrong with it, in words that follow a name; empty if nothing is.
+std::string decode_png16(std::string_view png, std::uint32_t width, std::uint32_t height,
+                         std::vector<std::uint16_t>& out);
 
 /// Optimised for speed rather than size. Throws failure() if the file cannot be written completely.
 void write_png16(const std::filesystem::path& file, std::uint32_t width, std::uint32_t height,

@@ -27,6 +27,27 @@ std::string times_heading(std::size_t cameras) {
   return heading;
 }
 
+std::string implausible_times(std::span<const double> times_s, double rate_hz) {
+  constexpr double longest_step_s = 5, most_apart = 10, least_counted_hz = 2;
+  if (times_s.size() < 2) return {};
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times_s.size(); ++i)
+    steps.push_back(times_s[i] - times_s[i - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double ratio = rate_hz > 0 ? *middle * rate_hz : 1;
+  const bool contradicts = ratio > most_apart || ratio < 1 / most_apart;
+  const bool counts = *middle == 1 && (rate_hz <= 0 || rate_hz >= least_counted_hz) &&
+                      std::ranges::all_of(times_s, [](double time) { return time == std::floor(time); });
+  if (!contradicts && !counts && *middle <= longest_step_s) return {};
+  return fmt::format("its frames are {:.3g} s apart{}; if the times are {}, convert them: they must be in seconds",
+                     *middle,
+                     rate_hz > 0 && (contradicts || counts)
+                         ? fmt::format(", but its rate_hz of {:g} means {:.3g} s", rate_hz, 1 / rate_hz)
+                         : "",
+                     counts ? "frame numbers" : "in another unit");
+}
+
 namespace {
 
 constexpr std::uint64_t most_frames = 1'000'000;
@@ -70,14 +91,13 @@ struct Times {
   std::vector<std::uint64_t> sequences;
 };
 
-/// `sequence,time,time,...` per frame after a heading. A last line without a line end is a frame that was not finished.
+/// `sequence,time,time,...` per frame after a heading.
 Times read_times(const std::filesystem::path& file, std::size_t cameras) {
   const std::string text = read_text_file(file, most_bytes);
   Times times;
   std::size_t blank = 0;  // the first blank line
   Lines lines(text);
   while (const std::optional<std::string_view> line = lines.next()) {
-    if (lines.cut()) break;
     if (line->find_first_not_of(" \t") == std::string_view::npos) {
       blank = blank == 0 ? lines.number() : blank;
       continue;
@@ -99,16 +119,19 @@ Times read_times(const std::filesystem::path& file, std::size_t cameras) {
         if (time && std::abs(*time) <= most_seconds) row.push_back(*time);
       }
     }
+    std::string broken;
     if (!sequence || row.size() != cameras) {
-      throw fault(
-          fmt::format("expected a sequence number and {} in seconds, none beyond 1e12", counted(cameras, "time")));
+      broken = fmt::format("expected a sequence number and {} in seconds, none beyond 1e12", counted(cameras, "time"));
+    } else if (!times.rows.empty() && *sequence <= times.sequences.back()) {
+      broken = "the sequence number does not increase";
+    } else if (!times.rows.empty() && !(std::ranges::min(row) > std::ranges::min(times.rows.back()))) {
+      broken = "the time does not increase";
     }
-    if (!times.rows.empty()) {
-      const auto& last = times.rows.back();
-      if (*sequence <= times.sequences.back()) throw fault("the sequence number does not increase");
-      if (!(*std::min_element(row.begin(), row.end()) > *std::min_element(last.begin(), last.end()))) {
-        throw fault("the time does not increase");
-      }
+    if (!broken.empty() && !lines.cut()) throw fault(broken);
+    if (!broken.empty()) {
+      log::warning(fmt::format("{}: line {} has no end, and is no whole frame; it is left out: {}", file.string(),
+                               lines.number(), broken));
+      break;
     }
     if (times.rows.size() == most_frames) throw fault(fmt::format("more than {} frames", most_frames));
     times.rows.push_back(std::move(row));
@@ -212,25 +235,6 @@ void list_frames(std::vector<TomlTable>& tables, ReferenceFolder& folder, Record
   }
 }
 
-/// Warns if times are probably in another unit than seconds. `rate_hz`: what the file says; 0 if it says nothing.
-void warn_of_times(const Recording& recording, double rate_hz) {
-  constexpr double longest_step_s = 5, most_apart = 100;
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < recording.entries.size(); ++i)
-    steps.push_back(recording.entries[i].time_s - recording.entries[i - 1].time_s);
-  if (steps.empty()) return;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>((steps.size() - 1) / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double ratio = rate_hz > 0 ? *middle * rate_hz : 1;
-  const bool contradicts = ratio > most_apart || ratio < 1 / most_apart;
-  if (!contradicts && *middle <= longest_step_s) return;
-  log::warning(
-      fmt::format("{}: its frames are {:.3g} s apart{}; if the times are in another unit, convert them: they "
-                  "must be in seconds",
-                  recording.file, *middle,
-                  contradicts ? fmt::format(", but its rate_hz of {:g} means {:.3g} s", rate_hz, 1 / rate_hz) : ""));
-}
-
 /// At a constant rate: frame n at n / rate.
 void spread_times(double rate_hz, Recording& recording) {
   for (std::size_t i = 0; i < recording.entries.size(); ++i) {
@@ -245,7 +249,7 @@ namespace {
 /// Files that other sources take.
 void refuse_other_source(const std::filesystem::path& file) {
   const std::string head = InputFile(file).head(16);
-  if (head.starts_with("#ROSBAG"))
+  if (head.starts_with("#ROSBAG") || head.starts_with("SQLite format 3"))
     throw bad_input(file.string(), fmt::format("is a recording of RealSense Viewer: give it as bag:{}", file.string()));
   if (head.starts_with('{'))
     throw bad_input(file.string(), fmt::format("has lines of JSON: if they are hands, give joints:{}", file.string()));
@@ -302,7 +306,13 @@ Recording load_recording(const std::filesystem::path& folder_or_toml) {
     entry.time_s = *std::min_element(entry.times_s.begin(), entry.times_s.end());
     entry.sequence = times ? times->sequences[i] : i;
   }
-  if (has_times) warn_of_times(recording, rate_hz);
+  if (has_times) {
+    std::vector<double> times_s;
+    for (const Recording::Entry& entry : recording.entries)
+      times_s.push_back(entry.time_s);
+    if (const std::string odd = implausible_times(times_s, rate_hz); !odd.empty())
+      log::warning(fmt::format("{}: {}", recording.file, odd));
+  }
   return recording;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -65,10 +66,16 @@ struct Recording {
 /// The first line of `times.csv`: "sequence,time_0_s,time_1_s" with two cameras.
 std::string times_heading(std::size_t cameras);
 
+/// Why these times of frames, ascending, are hardly seconds; empty if they may be. `rate_hz`: the rate that is stated
+/// elsewhere, or 0. Times in another unit are more than 5 s apart, or not within a factor of 10 of the rate. Whole
+/// numbers that mostly ascend by 1 are frame numbers, if the rate is unknown or at least 2 Hz.
+std::string implausible_times(std::span<const double> times_s, double rate_hz);
+
 /// Reads `recording.toml` of a folder, or the given TOML file. Throws bad_input naming file, line and fault: any fault
 /// that a rig's cameras can have, no frames, a listed image that is missing, a file outside the TOML's folder (see
 /// ReferenceFolder), times that do not increase or lie beyond 1e12 s, a `times.csv` whose heading differs from
-/// times_heading().
+/// times_heading(), a line of it that is broken. A last line without a line end that is broken is left out, with a
+/// warning.
 Recording load_recording(const std::filesystem::path& folder_or_toml);
 
 /// The images of one entry. Throws bad_input naming the image: missing, not a 16-bit grey PNG, not the camera's size.

@@ -147,6 +147,8 @@ static Camera read_camera(TomlTable& table, std::size_t place) {
   camera.fy = table.number("fy", 1e-3, 1e7);
   camera.cx = table.number("cx", -1e6, 1e6);
   camera.cy = table.number("cy", -1e6, 1e6);
+  if (const std::string odd = implausible_lens(camera); !odd.empty())
+    log::warning(fmt::format("{}: {}", table.place("fx"), odd));
   if (table.has("distortion")) {
     const std::vector<double> values = table.numbers("distortion", camera.distortion.size());
     std::copy(values.begin(), values.end(), camera.distortion.begin());

@@ -13,6 +13,7 @@ BEGIN {
   interface["session/links/real_time_service.hpp"] = 1  # a guard has no library for it
   interface["session/links/hand_over.hpp"] = 1  # a link's messages about what it was given
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
+  interface["sensing/grey_png.hpp"] = 1       # the images of a recording
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor
   interface["bench/row.hpp"] = 1              # its rows of palpa bench
   interface["cli/command.hpp"] = interface["setup/options/options.hpp"] = interface["line/values.hpp"] = 1  # its commands

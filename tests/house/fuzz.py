@@ -24,7 +24,7 @@ import time
 
 import fuzz_study
 from hostile import ROOT, Cases, Display, faults_of_messages, name_of_end, small_rig
-from mutate import boxes_glb, boxes_ply, mutated, octahedron_ply, small_bag
+from mutate import boxes_glb, boxes_ply, mutated, octahedron_ply, small_bag, small_database
 from wires import SERIAL
 
 COST_S, COST_S_PER_MB = 1.0, 1.0  # of processor time, as in docs/limits.md
@@ -117,7 +117,7 @@ class Pool:
             "depth": [("d.png", data) for name, data in self.take.items() if name.endswith("0.png")],
             "foreign": [("f.stl", (folder / "target.stl").read_bytes()), ("f.txt", f"{SECRET}: {SECRET}\n".encode() * 40),
                         ("f.bin", bytes(range(256)) * 8), ("empty", b""), ("f.json", b'{"a": "' + SECRET.encode() + b'"}')],
-            "bag": [("b.bag", small_bag())],
+            "bag": [("b.bag", small_bag()), ("b.db3", small_database())],
             "plan": [("plan.toml", plan) for plan in plans],
             "pattern": [("pattern.toml", path.read_bytes()) for path in sorted((assets / "patterns").glob("*.toml"))],
             "sensation": [("s.adaptics", path.read_bytes()) for path in sorted((assets / "sensations").glob("*.adaptics"))],

@@ -1,6 +1,7 @@
 """mutate.py: good files made bad, by what they are; for fuzz.py. The same random numbers make the same bytes."""
 import json
 import re
+import sqlite3
 import struct
 import zlib
 
@@ -268,6 +269,31 @@ def boxes_glb(draw):
                                "max": [max(point[k] for point in points) for k in range(3)]},
                               {"bufferView": 1, "componentType": 5125, "count": 3 * len(faces), "type": "SCALAR"}]}
     return glb_of(json.dumps(document).encode(), vertices + corners)
+
+
+def small_database():
+    """A recording of ROS 2 with a depth camera and one image of 16 x 8 pixels."""
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    def text(value):
+        return struct.pack("<I", len(value) + 1) + value + b"\0"
+
+    png = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 16, 8, 16, 0, 0, 0, 0)) +
+           chunk(b"IDAT", zlib.compress((b"\0" + b"\2\x58" * 16) * 8)) + chunk(b"IEND", b""))
+    head = bytes(8) + text(b"Depth") + bytes(2) + text(b"16UC1; compressedDepth png") + bytes(1)
+    said = ((b"camera_info", "String", text(b"width=16;height=8;fx=40;ppx=8;fy=41;ppy=4;model=Brown Conrady;coeffs=0,0,0,0,0")),
+            (b"info", "String", text(b"encoding=Z16;fps=30")),
+            (b"image/data/compressedDepth", "CompressedImage", head + struct.pack("<I", 12 + len(png)) + bytes(12) + png))
+    base = sqlite3.connect(":memory:")
+    base.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY,name TEXT NOT NULL,type TEXT NOT NULL)")
+    base.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY,topic_id INTEGER NOT NULL,timestamp INTEGER NOT NULL, data BLOB NOT NULL)")
+    for number, (name, kind, data) in enumerate(said, 1):
+        package = "std_msgs" if kind == "String" else "sensor_msgs"
+        base.execute("INSERT INTO topics VALUES(?, ?, ?)", (number, f"/device_0/sensor_0/Depth_0/{name.decode()}", f"{package}/msg/{kind}"))
+        base.execute("INSERT INTO messages VALUES(?, ?, 0, ?)", (number, number, b"\0\1\0\0" + data))
+    base.commit()
+    return base.serialize()
 
 
 def small_bag():

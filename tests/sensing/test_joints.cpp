@@ -394,6 +394,21 @@ TEST_F(JointsFile, MayEndWithinALine) {
   EXPECT_REFUSED(open_tracker(write(whole + next.substr(0, 40) + "\n"), true), "line 2");
 }
 
+TEST_F(JointsFile, WhoseTimesAreNoSecondsIsWarnedOf) {
+  const auto said = [&](std::initializer_list<double> times_s) {
+    std::vector<TrackedFrame> given;
+    for (const double time_s : times_s)
+      given.push_back({time_s, {}});
+    const std::filesystem::path file = write(test::lines_of(given));
+    return test::stderr_of([&] { open_tracker(file, false); });
+  };
+  EXPECT_CONTAINS(
+      said({0, 16.67, 33.33, 50}),
+      "its frames are 16.7 s apart; if the times are in another unit, convert them: they must be in seconds");
+  EXPECT_CONTAINS(said({0, 1, 2, 3}), "its frames are 1 s apart; if the times are frame numbers, convert them");
+  EXPECT_EQ(said({0, 0.01667, 0.03333, 60}), "");
+}
+
 TEST_F(JointsFile, IsNoRecordingOfCameras) {
   const std::filesystem::path file = write(test::line_of({1, {}}) + "\n");
   EXPECT_REFUSED(load_recording(file), "if they are hands, give joints:" + file.string());

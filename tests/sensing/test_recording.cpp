@@ -150,7 +150,11 @@ TEST(Recording, WhatIsOnDiskStaysReadableAfterACrash) {
   write_png16(folder / "000002-0.png", take.cameras[0].width, take.cameras[0].height, take.sets[2].frames[0].depth);
   const std::string times = test::read_text(folder / "times.csv");
   test::write_text(folder / "times.csv", times + "11,100000.0");
-  const Recording recording = load_recording(folder);
+  Recording recording;
+  EXPECT_EQ(test::stderr_of([&] { recording = load_recording(folder); }),
+            "palpa: warning: " + (folder / "times.csv").string() +
+                ": line 4 has no end, and is no whole frame; it is left out: expected a sequence number and 2 times in "
+                "seconds, none beyond 1e12\n");
   ASSERT_EQ(recording.entries.size(), 2u);
   FrameSet set;
   read_entry(recording, 1, set);
@@ -371,6 +375,58 @@ TEST(Recording, TimesInAnotherUnitAreTold) {
   EXPECT_CONTAINS(warning("0,0\n1,33\n2,66\n", no_rate), "33 s apart; if the times are in another unit");
   EXPECT_EQ(warning("0,0\n1,0.033\n2,60\n", camera_text), "");
   EXPECT_EQ(warning("0,0\n1,3\n2,6\n", no_rate), "");
+}
+
+TEST(Recording, FrameNumbersInsteadOfTimesAreTold) {
+  const fs::path folder = foreign("numbers", {"0.png", "1.png", "2.png", "3.png"});
+  const auto warning = [&](const std::string& csv, const std::string& rate) {
+    test::write_text(folder / "t.csv", "sequence,time_0_s\n" + csv);
+    const std::string camera = camera_text.substr(0, camera_text.find("rate_hz")) + rate;
+    return test::stderr_of(
+        [&] { load_text(folder, "[recording]\nfiles = [\"%d.png\"]\ntimes = \"t.csv\"\n" + camera); });
+  };
+  const std::string counted = "0,0\n1,1\n2,2\n3,3\n", gap = "0,6\n1,7\n2,8\n3,11\n";
+  const std::string meant = "; if the times are frame numbers, convert them: they must be in seconds\n";
+  for (const std::string& csv : {counted, gap}) {
+    EXPECT_CONTAINS(warning(csv, "rate_hz = 30\n"),
+                    "its frames are 1 s apart, but its rate_hz of 30 means 0.0333 s" + meant);
+    EXPECT_CONTAINS(warning(csv, "rate_hz = 5\n"), "1 s apart, but its rate_hz of 5 means 0.2 s" + meant);
+    EXPECT_CONTAINS(warning(csv, ""), "its frames are 1 s apart" + meant);
+    EXPECT_EQ(warning(csv, "rate_hz = 1\n"), "");
+  }
+  EXPECT_EQ(warning("0,0\n1,1.001\n2,2\n3,3\n", ""), "");
+}
+
+TEST(Recording, ALastLineOfTimesWithoutItsEndIsReadIfItIsWhole) {
+  const fs::path folder = foreign("last", {"0.png", "1.png", "2.png"});
+  const auto frames = [&](const std::string& csv, const std::string& said) {
+    test::write_text(folder / "t.csv", "sequence,time_0_s\n" + csv);
+    std::vector<double> times;
+    const std::string line = test::stderr_of([&] {
+      for (const Recording::Entry& entry :
+           load_text(folder, "[recording]\nfiles = [\"%d.png\"]\ntimes = \"t.csv\"\n" + camera_text).entries)
+        times.push_back(entry.time_s);
+    });
+    EXPECT_EQ(line, said.empty() ? ""
+                                 : "palpa: warning: " + (folder / "t.csv").string() +
+                                       ": line 4 has no end, and is no whole frame; it is left out: " + said + "\n");
+    return times;
+  };
+  using Times = std::vector<double>;
+  EXPECT_EQ(frames("0,0.1\n1,0.2\n2,0.3", ""), (Times{0.1, 0.2, 0.3}));
+  const std::string expected = "expected a sequence number and 1 time in seconds, none beyond 1e12";
+  for (const char* torn : {"2", "2,", "2,0.", "2,0.0"}) {
+    const std::string why =
+        std::string(torn) == "2" || std::string(torn) == "2," ? expected : "the time does not increase";
+    EXPECT_EQ(frames(std::string("0,0.1\n1,0.2\n") + torn, why), (Times{0.1, 0.2})) << torn;
+  }
+  EXPECT_REFUSED(frames("0,0.1\n1,0.2\n2,\n", ""), "t.csv: line 4: " + expected);
+}
+
+TEST(Recording, WhoseTimesWereFoundToBeFrameNumbersIsWarnedOfAndPlayedWhole) {
+  PALPA_SHARED_OR_SKIP(folder, "found-more/frame-numbers");
+  const std::string said = test::stderr_of([&] { EXPECT_EQ(load_recording(folder).entries.size(), 4u); });
+  EXPECT_CONTAINS(said, "1 s apart, but its rate_hz of 30 means 0.0333 s; if the times are frame numbers");
 }
 
 TEST(Recording, ForeignSequencesByList) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <random>
@@ -114,6 +115,57 @@ TEST(Rig, AnImplausibleLeastRangeIsWarnedOf) {
                   "write 0.28");
   for (const char* usual : {"0", "0.28", "3"})
     EXPECT_EQ(said(usual), "");
+}
+
+TEST(Rig, ALensThatCannotBeIsWarnedOf) {
+  struct Numbers {
+    double fx, fy, cx, cy;
+  };
+  const auto said = [](const Numbers& lens) {
+    std::string text = camera_text;
+    for (const auto& [key, value] : {std::pair("fx", lens.fx), {"fy", lens.fy}, {"cx", lens.cx}, {"cy", lens.cy}}) {
+      const std::size_t begin = text.find(std::string(key) + " =");
+      text.replace(begin, text.find('\n', begin) - begin, std::string(key) + " = " + toml_number(value));
+    }
+    const std::size_t begin = text.find("distortion");
+    text.erase(begin, text.find('\n', begin) + 1 - begin);
+    return test::stderr_of([&] { load_text(text); });
+  };
+  const std::string place = "rig.toml: line 5: ", middle = "the middle of 848x480 pixels is (423.5, 239.5)";
+  const std::pair<Numbers, std::string> odd[]{
+      {{640, 640, 1300, 200}, "cx = 1300 and cy = 200 lie outside the picture: " + middle},
+      {{640, 640, 400, -30}, "cx = 400 and cy = -30 lie outside the picture: " + middle},
+      {{960, 960, 639.5, 359.5},
+       "cx = 639.5 and cy = 359.5 are the middle of 1280x720 pixels, but the pictures have 848x480: scale fx, fy, cx "
+       "and cy to this size"},
+      {{640, 640, 239.5, 423.5}, "cx = 239.5 and cy = 423.5 look exchanged: " + middle},
+      {{640, 640, 0.5, 0.5}, "cx = 0.5 and cy = 0.5 lie in the picture's corner; they are in pixels: " + middle},
+      {{1.93, 1.93, 423.5, 239.5},
+       "fx = 1.93 makes the picture 179 degrees wide; fx and fy are in pixels: a length in millimetres"},
+      {{64000, 64000, 423.5, 239.5}, "fx = 64000 makes the picture 0.759 degrees wide; fx and fy are in pixels\n"},
+      {{640, 64, 423.5, 239.5}, "fx = 640 and fy = 64 differ by a factor of 10, but pixels are nearly square\n"},
+      {{64, 640, 239.5, 423.5}, "nearly square; cx = 239.5 and cy = 423.5 look exchanged"}};
+  for (const auto& [lens, what] : odd) {
+    const std::string line = said(lens);
+    EXPECT_CONTAINS(line, place);
+    EXPECT_CONTAINS(line, what);
+    EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+  }
+  // Off the middle, pixels that are added up in one direction, and a wide lens.
+  for (const Numbers& usual : {Numbers{640, 640, 380, 260}, {640, 320, 423.5, 239.5}, {240, 240, 423.5, 239.5}})
+    EXPECT_EQ(said(usual), "");
+}
+
+TEST(Rig, OfTheLensesThatWereFoundEachIsWarnedOf) {
+  for (const auto& [name, what] : {std::pair("outside", "lie outside the picture"),
+                                   {"exchanged", "look exchanged"},
+                                   {"millimetres", "makes the picture 179 degrees wide"},
+                                   {"narrow", "differ by a factor of 10"}}) {
+    PALPA_SHARED_OR_SKIP(file, std::string("found-more/lens-") + name + ".toml");
+    const std::string line = test::stderr_of([&] { load_rig(file); });
+    EXPECT_CONTAINS(line, what);
+    EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+  }
 }
 
 TEST(Rig, ALayoutFileIsFoundFromTheRig) {

@@ -114,7 +114,8 @@ void draw_choices(const Row& row) {
       offer(row, "mouse: the pointer holds a fingertip", "mouse");
       offer(row, "synthetic: a fingertip that dips by itself", "synthetic");
       if (choice_of(row, "recording: choose a folder ...")) row.choose_file("a recording", {}, "recording:");
-      if (choice_of(row, "bag: choose a file ...")) row.choose_file("a file of RealSense Viewer", {".bag"}, "bag:");
+      if (choice_of(row, "bag: choose a file ..."))
+        row.choose_file("a file of RealSense Viewer", {".db3", ".bag"}, "bag:");
       tip("A recording of RealSense Viewer");
       offer(row, "joints: hands from a tracker's program", "joints:udp:9000");
       tip("Lines of JSON that the program sends to UDP port 9000 of this computer");

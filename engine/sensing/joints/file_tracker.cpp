@@ -15,6 +15,7 @@
 #include "sensing/joints/left_out.hpp"
 #include "sensing/joints/read_frame.hpp"
 #include "sensing/joints/tracker.hpp"
+#include "sensing/recording.hpp"
 
 namespace palpa::sensing {
 namespace {
@@ -47,6 +48,11 @@ std::vector<TrackedFrame> load_frames(const std::string& file) {
     frames.push_back(*std::move(frame));
   }
   if (frames.empty()) throw bad_input(file, "has no frame: give a line of JSON for each (docs/trackers.md)");
+  std::vector<double> times_s;
+  for (const TrackedFrame& frame : frames)
+    times_s.push_back(frame.time_s);
+  if (const std::string odd = implausible_times(times_s, 0); !odd.empty())
+    log::warning(fmt::format("{}: {}", file, odd));
   return frames;
 }
 

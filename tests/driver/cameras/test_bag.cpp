@@ -156,6 +156,12 @@ TEST(Bag, MissingPartsAreReportedOrRefused) {
   EXPECT_REFUSED(play(bag.bytes()), "has no depth of a RealSense");
 }
 
+TEST(Bag, ALensThatCannotBeIsWarnedOf) {
+  MadeUpBag bag;
+  bag.fx = 1.9;
+  EXPECT_CONTAINS(said_of(bag.bytes(), 4), "take.bag: its camera: fx = 1.9 makes the picture 153 degrees wide");
+}
+
 TEST(Bag, OfSeveralCamerasTheOneWhoseImageIsFirstIsPlayedWithItsOwnLensUnitAndRate) {
   MadeUpBag other;
   other.width = 24;
@@ -255,7 +261,7 @@ TEST(Bag, WhatItCannotReadIsRefused) {
       {[](auto& b) { b.width = 5000; }, "an image has 5000x8 pixels"},
       {[](auto& b) { b.fx = -1; }, "focal length is -1"},
       {[](auto& b) { b.fx = std::nan(""); }, "focal length is nan"},
-      {[](auto& b) { b.unit_m = 0; }, "the depth unit is 0 m"},
+      {[](auto& b) { b.unit_m = 0; }, "the depth unit in metres is 0"},
       {[](auto& b) { b.rate_hz = 5000; }, "5000 frames per second"},
       {[](auto& b) { b.lens_model = "Kannala Brandt4", b.distortion[0] = 0.1; }, "lens model is 'Kannala Brandt4'"},
       {[](auto& b) { b.more_topic = std::string(300, 'x'); }, "a topic has a name of 300 bytes"},
@@ -273,7 +279,8 @@ TEST(Bag, WhatItCannotReadIsRefused) {
   EXPECT_REFUSED(open_bag("/nonexistent.bag", nullptr, false), "/nonexistent.bag: no such file");
   EXPECT_REFUSED(open_bag("/dev/zero", nullptr, false), "/dev/zero: is not a regular file");
   EXPECT_REFUSED(open_bag("/dev", nullptr, false), "/dev: is a folder, a file is needed");
-  EXPECT_REFUSED(play({'#', 'R', 'O', 'S'}), "is not a bag of format 2.0");
+  EXPECT_REFUSED(play({'#', 'R', 'O', 'S'}),
+                 "is neither a database of SQLite nor a bag of format 2.0, which begins with #ROSBAG V2.0");
 }
 
 TEST(Bag, ASizeThatItDoesNotHaveCostsNoMemory) {

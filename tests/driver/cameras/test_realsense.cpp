@@ -259,6 +259,15 @@ TEST(RealSense, IsSetUpAsTheRigSays) {
   EXPECT_EQ(camera.streamed.rate_hz, 90);
 }
 
+TEST(RealSense, ALensThatCannotBeIsWarnedOf) {
+  Bench bench;
+  bench.plug("A").lens.fy = 5;
+  sensing::Camera wanted = described("one");
+  wanted.device.own_lens = true;
+  EXPECT_CONTAINS(palpa::test::stderr_of([&] { open(bench, "any", {wanted}); }),
+                  "camera 'one': its own calibration: fx = 50 and fy = 5 differ by a factor of 10");
+}
+
 TEST(RealSense, WithoutARateTheHighestIsTakenAndNothingElseIsSet) {
   Bench bench;
   MadeUpCamera& camera = bench.plug("A");
