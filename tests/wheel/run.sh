@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # run.sh [12|13]...: the wheel of ./dev wheel in a bare Debian, made here with debootstrap; in both versions if none is
-# named. Each has a wheel made on the same version: on this machine, if it is one, otherwise in a second system with a
-# compiler, in which ./dev installs what it needs. In the bare one, which has no compiler and no library of palpa's:
+# named. Each gets a wheel for its Python. It is made on this machine, if this is Debian, not a newer one, and has that
+# Python; otherwise in a second system of that version, in which ./dev installs what it needs. In the bare one, which has
+# no compiler and no library of palpa's:
 #   1. The wheel is installed with pip, beside the newest NumPy and beside the oldest that pip has for this Python.
 #      use.py tries sensations, models, scattering, a live run and the guard, with numbers that NumPy computes.
 #   2. Every tutorial runs. With Mesa's lavapipe, use.py computes on the device.
@@ -23,7 +24,7 @@ for version; do
   }
 done
 (($#)) || set -- 12 13
-needs_root PALPA_WHEEL_KEEP "$PWD/tests/wheel/run.sh" "$@"
+needs_root PALPA_WHEEL_KEEP,PATH "$PWD/tests/wheel/run.sh" "$@"
 
 say() { printf 'wheel %s: %s\n' "$version" "$*"; }
 # step NAME COMMAND...: runs it with a separate log.
@@ -39,7 +40,7 @@ step() {
 
 # The wheel and the sdist of this Debian, in $base/wheels.
 make_here() {
-  ./dev wheel
+  ./dev wheel "$1"
   rm -rf "$base/wheels"
   cp -r build/wheels "$base/wheels"
 }
@@ -72,12 +73,13 @@ look_at_sdist() {
       return 1
     fi
   fi
+  # A short name may be in any file.
   for word in "$PWD" "$HOME/" "$(hostname)" /srv/palpa; do
-    [[ $word != / && $word != localhost ]] || continue
-    tar -xzOf "$sdist" | grep -aFn -- "$word" && {
-      echo "the sdist has the word $word of this machine"
+    ((${#word} > 4)) || continue
+    if tar -xzOf "$sdist" | grep -aFo -- "$word"; then
+      echo "the sdist has this word of the machine that made it"
       return 1
-    }
+    fi
   done
   return 0
 }
@@ -95,8 +97,13 @@ in_debian() {
   base=$PWD/build/wheel-test/$version root=$PWD/build/wheel-test/$version/root
   local begin=$SECONDS
   mkdir -p "$base"
-  if grep -qx ID=debian /etc/os-release && grep -qx "VERSION_ID=\"$version\"" /etc/os-release; then
-    step make make_here
+  local python here
+  here=$(sed -n 's/^VERSION_ID="\([0-9]*\)"$/\1/p' /etc/os-release)
+  for python in /usr/bin/python3 "python${pythons[$version]}" ''; do
+    [[ $("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null) != "${pythons[$version]}" ]] || break
+  done
+  if [[ -n $python ]] && grep -qx ID=debian /etc/os-release && ((here <= version)); then
+    step make make_here "$python"
   else
     step make make_there
   fi
@@ -113,7 +120,7 @@ in_debian() {
   cp -r "$base/wheels" "$base/newest" "$base/oldest" "$root/srv/"
   mkdir "$root/srv/tutorials"
   cp docs/python/*.py tests/wheel/use.py "$root/srv/tutorials/"
-  by_ada() { inside "$root" setpriv --reuid ada --regid ada --init-groups HOME=/srv/ada MPLBACKEND=Agg "$@"; }
+  by_ada() { inside "$root" setpriv --reuid ada --regid ada --init-groups env HOME=/srv/ada MPLBACKEND=Agg "$@"; }
   # shellcheck disable=SC2016  # expanded by the shell that is started
   local install='cd; for numpy in newest oldest; do
       python3 -m venv $numpy
