@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <deque>
 #include <exception>
 #include <filesystem>
@@ -287,8 +288,29 @@ void guard(const py::module_& m) {
 
 }  // namespace palpa::python
 
+namespace {
+
+constexpr const char* pybind11_version = PYBIND11_TOSTRING(PYBIND11_VERSION_MAJOR) "." PYBIND11_TOSTRING(
+    PYBIND11_VERSION_MINOR) "." PYBIND11_TOSTRING(PYBIND11_VERSION_PATCH);
+
+/// pybind11 before 2.12 reads arrays as NumPy 1 lays them out. With NumPy 2, numbers would be wrong without an error.
+void refuse_unknown_numpy() {
+  constexpr int first_with_numpy_2 = 0x020C0000;
+  if (PYBIND11_VERSION_HEX >= first_with_numpy_2) return;
+  const auto numpy = pybind11::module_::import("numpy").attr("__version__").cast<std::string>();
+  if (std::atoi(numpy.c_str()) < 2) return;
+  throw pybind11::import_error(
+      fmt::format("palpa was built with pybind11 {}, which reads the arrays of NumPy 1 only, and here is NumPy {}: "
+                  "install numpy<2, or build palpa with pybind11 2.12 or newer (pip install . does)",
+                  pybind11_version, numpy));
+}
+
+}  // namespace
+
 PYBIND11_MODULE(_engine, m) {
   using namespace palpa::python;
+  refuse_unknown_numpy();
+  m.attr("_pybind11") = pybind11_version;
   m.attr("__version__") = PALPA_VERSION;
   m.attr("_commit") = palpa::commit();
   pybind11::options options;
@@ -296,6 +318,20 @@ PYBIND11_MODULE(_engine, m) {
   m.def(
       "_use_assets", [](pybind11::handle folder) { palpa::setup::set_asset_folder(bytes_of("folder", folder)); },
       "Look for palpa's own models and rigs in this folder.");
+  m.def(
+      "asset", [](pybind11::handle name) { return shown_text(palpa::setup::find_asset(bytes_of("name", name))); },
+      pybind11::arg("name"),
+      R"(Find a model, a rig or another file that comes with palpa.
+
+Parameters
+----------
+name : str
+    Such as "cube.glb", "finger.ply", "rigs/paper.toml" or "depth/take".
+
+Returns
+-------
+str
+    The file's path. With PALPA_ASSETS in the environment, it is in that folder.)");
   m.def(
       "_text_of",
       [](pybind11::handle file) {

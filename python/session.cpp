@@ -121,8 +121,8 @@ void refuse_camera_options(const setup::LiveOptions& o) {
 void check_source(const std::string& source) {
   std::vector<session::SourceKind> kinds = setup::with_builtin(driver::camera_sources());
   kinds.push_back({.name = "points", .help = "points, which push_points() gives", .open = {}});
-  const session::SourceKind& kind =
-      session::find_kind(std::span<const session::SourceKind>(kinds), session::parse_spec(source).name, "source");
+  const auto [name, argument] = session::parse_spec(source);
+  const session::SourceKind& kind = session::find_kind(std::span<const session::SourceKind>(kinds), name, "source");
   if (kind.name == "points" && source != kind.name)
     throw bad_usage(fmt::format("source: {} is not {}", source, kind.help));
 }

@@ -5,8 +5,8 @@ import pathlib
 import re
 import sys
 
-# This folder has the package's sources, without the built module.
-sys.path = [path for path in sys.path if pathlib.Path(path).resolve() != pathlib.Path(__file__).resolve().parent]
+# This folder, which comes first, has the package's sources, without the built module; FILE is beside the module.
+sys.path[0] = str(pathlib.Path(sys.argv[1]).resolve().parents[1])
 import palpa  # noqa: E402  pylint: disable=wrong-import-position
 
 PATH = "_Path"

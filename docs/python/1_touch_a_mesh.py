@@ -3,14 +3,11 @@
 # A fingertip is pressed 3 mm into a cube. palpa finds the contacts, the finger's cross-section and its foci.
 
 # %%
-import os
-
 import numpy as np
 import palpa
 
-assets = os.environ.get("PALPA_ASSETS", "assets")
-scene = palpa.Scene(f"{assets}/cube.glb")
-skin = palpa.read_ply(f"{assets}/finger.ply")  # (n, 3) in metres, the tip at the origin
+scene = palpa.Scene(palpa.asset("cube.glb"))
+skin = palpa.read_ply(palpa.asset("finger.ply"))  # (n, 3) in metres, the tip at the origin
 print(scene, skin.shape)
 
 # %% [markdown]

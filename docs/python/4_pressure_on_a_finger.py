@@ -4,14 +4,11 @@
 # pressure of the scattered sound on its skin.
 
 # %%
-import os
-
 import numpy as np
 import palpa
 
-assets = os.environ.get("PALPA_ASSETS", "assets")
-scene = palpa.Scene(f"{assets}/cube.glb")
-finger = palpa.FingerBody(f"{assets}/finger.ply")  # keeps its equations for the next method
+scene = palpa.Scene(palpa.asset("cube.glb"))
+finger = palpa.FingerBody(palpa.asset("finger.ply"))  # keeps its equations for the next method
 
 # %%
 results = {}

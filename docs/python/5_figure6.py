@@ -3,12 +3,9 @@
 # The finger in each of the paper's objects, with every method. This takes minutes.
 
 # %%
-import os
-
 import palpa
 
-assets = os.environ.get("PALPA_ASSETS", "assets")
-figure = palpa.figure6(f"{assets}/finger.ply", backend="cpu")
+figure = palpa.figure6(palpa.asset("finger.ply"), backend="cpu")
 for n in range(len(figure)):
     name, one = figure[n]
     print(f"{name:14} {one.method:13} peak {one.langevin_spot['peak']:7.1f} Pa, elongation {one.langevin_spot['elongation']:.2f} "

@@ -4,13 +4,11 @@
 # renders, and the link is a file.
 
 # %%
-import os
 import tempfile
 
 import palpa
 
-assets = os.environ.get("PALPA_ASSETS", "assets")
-scene = palpa.Scene(f"{assets}/cube.glb")
+scene = palpa.Scene(palpa.asset("cube.glb"))
 folder = tempfile.mkdtemp()
 session = palpa.Session(scene, source="synthetic", link=f"record:{folder}/drives.bin", every_frame=True, backend="cpu")
 

@@ -3,19 +3,16 @@
 # `export` plays a recording on its own clock, and gives the foci of all its frames as columns.
 
 # %%
-import os
-
 import palpa
 import pandas
 
-assets = os.environ.get("PALPA_ASSETS", "assets")
-recording = palpa.Recording(f"{assets}/depth/take")
+recording = palpa.Recording(palpa.asset("depth/take"))
 print(recording, "from", recording.times[0], "to", recording.times[-1], "s")
 image = recording.images(0)[0]
 print("an image:", image.shape, image.dtype)
 
 # %%
-scene = palpa.Scene(f"{assets}/cube.glb")
+scene = palpa.Scene(palpa.asset("cube.glb"))
 table = pandas.DataFrame(palpa.export(scene, recording, backend="cpu").foci)
 print(table.describe())
 

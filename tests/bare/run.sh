@@ -16,13 +16,11 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-declare -A suites=([12]=bookworm [13]=trixie) clangs=([12]=14 [13]=19)
+who=bare
+source tests/bare/debian.sh
+declare -A clangs=([12]=14 [13]=19)
 folder='/srv/Prüfstand eins' # holds both copies
 
-skip() {
-  printf 'bare: skipped: %s\n' "$*"
-  exit 0
-}
 say() { printf 'bare %s: %s\n' "$version" "$*"; }
 
 for version; do
@@ -33,43 +31,11 @@ for version; do
 done
 (($#)) || set -- 12 13
 
-[[ $(uname -s) == Linux ]] || skip "debootstrap needs Linux"
-if ((EUID != 0)); then
-  if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
-    exec sudo --preserve-env=PALPA_BARE_LEGS,PALPA_BARE_KEEP,PALPA_BARE_CCACHE "$PWD/tests/bare/run.sh" "$@"
-  fi
-  skip "this needs root, or sudo without a password"
-fi
-command -v debootstrap >/dev/null || skip "there is no debootstrap here: apt-get install debootstrap"
-unshare --mount --pid --fork --kill-child true 2>/dev/null || skip "this machine allows no mounts of one's own (unshare)"
-
-# The project's files as they are, also those not yet committed.
-pack() {
-  git -c safe.directory="$PWD" ls-files --cached --others --exclude-standard --deduplicate -z |
-    while IFS= read -r -d '' file; do [[ -e $file ]] && printf '%s\0' "$file"; done | tar -c --null -T - -f "$1"
-}
-
-# Separate namespaces: everything that is mounted or started in them ends with them.
-namespaces=(--mount --pid --fork --kill-child)
-
-# inside COMMAND...: runs it in the new system as root, with the environment that programs expect there.
-inside() {
-  # shellcheck disable=SC2016  # expanded by the shell that is started
-  unshare "${namespaces[@]}" bash -euc '
-    root=$1
-    mkdir -p "$root/dev/pts" "$root/dev/shm"
-    mount -t proc proc "$root/proc"
-    mount -t devpts -o newinstance,ptmxmode=0666 devpts "$root/dev/pts"
-    ln -sf pts/ptmx "$root/dev/ptmx"
-    mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
-    [[ ! -x $root/bin/busybox ]] || chroot "$root" busybox ip link set lo up # down in a new namespace
-    exec chroot "$root" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root "${@:2}"
-    ' inside "$root" "$@"
-}
+needs_root PALPA_BARE_LEGS,PALPA_BARE_KEEP,PALPA_BARE_CCACHE "$PWD/tests/bare/run.sh" "$@"
 
 # by USER FOLDER COMMAND: runs it as that user, without a terminal.
 by() {
-  inside setpriv --reuid "$1" --regid "$1" --init-groups env "${environment[@]}" bash -c "cd '$folder/$2' && $3"
+  inside "$root" setpriv --reuid "$1" --regid "$1" --init-groups env "${environment[@]}" bash -c "cd '$folder/$2' && $3"
 }
 
 # Puts this shell and its children into a group of at most 4 GiB of memory.
@@ -101,24 +67,9 @@ step() {
 }
 
 bootstrap() {
-  rm -rf "$root"
-  if [[ ! -f $base/system.tar ]]; then
-    rm -rf "$base/system"
-    debootstrap --variant=minbase "${suites[$version]}" "$base/system" >"$base/debootstrap.log" 2>&1 || {
-      tail -n 5 "$base/debootstrap.log"
-      skip "debootstrap could not make Debian $version: is there a network?"
-    }
-    rm -f "$base"/system/var/cache/apt/archives/*.deb
-    tar -C "$base/system" -cf "$base/system.tar.part" .
-    mv "$base/system.tar.part" "$base/system.tar"
-    rm -rf "$base/system"
-  fi
-  mkdir -p "$root"
-  tar -C "$root" -xf "$base/system.tar"
-  cp -L /etc/resolv.conf "$root/etc/resolv.conf"
-  printf '127.0.0.1 localhost\n' >"$root/etc/hosts"
+  fresh_debian "$version" "$root"
   # A person with a user account and this project on the disk has sudo, and the program that unpacked the project.
-  inside sh -euc '
+  inside "$root" sh -euc '
     apt-get -q update
     DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends sudo
     useradd --create-home --home-dir /srv/ada --shell /bin/bash ada
@@ -132,7 +83,7 @@ copy() {
   local to=$root$folder/$2
   mkdir -p "$to"
   tar -C "$to" -xf "$base/palpa.tar"
-  inside chown -R "$1:$1" "$folder/$2"
+  inside "$root" chown -R "$1:$1" "$folder/$2"
 }
 
 # Checks that the commands did their work, whatever their exit codes say.
@@ -163,7 +114,7 @@ in_debian() {
     if [[ -n ${PALPA_BARE_CCACHE-} ]]; then
       environment+=(PALPA_WERROR=ON CCACHE_DIR=/srv/ada/ccache)
       cp -r "$PALPA_BARE_CCACHE" "$root/srv/ada/ccache"
-      inside chown -R ada:ada /srv/ada/ccache
+      inside "$root" chown -R ada:ada /srv/ada/ccache
     fi
     step readme-demo by ada palpa './dev demo'
     ran readme-demo 'pictures, foci and drives are in'
@@ -179,7 +130,7 @@ in_debian() {
   if [[ $legs == *' 2 '* || $legs == *' 3 '* ]]; then
     local clang=clang-${clangs[$version]}
     copy ben 'second palpa'
-    step packages inside sh -c "
+    step packages inside "$root" sh -c "
       cd '$folder/second palpa' && ./dev deps &&
       DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends $clang locales qemu-user &&
       localedef -i de_DE -f ISO-8859-1 de_DE.ISO-8859-1"

@@ -18,6 +18,7 @@ kill         ./dev test kill 60 1
 soak         ./dev soak 10
 soak-faults  ./dev soak 10 1
 package      ./dev test package
+wheel        ./dev test wheel
 cluster      ./dev test cluster
 bare-12      ./dev test bare 12
 bare-13      ./dev test bare 13
@@ -56,7 +57,7 @@ while read -r name command; do
   if ! $command </dev/null >"build/logs/all-$name.log" 2>&1; then
     result=FAILED
     first=$(first_failure "build/logs/all-$name.log")
-  elif grep -qE '^(bare|firmware): skipped' "build/logs/all-$name.log"; then
+  elif grep -qE '^(bare|firmware|package|wheel): skipped' "build/logs/all-$name.log"; then
     result=skipped first=$(grep -m 1 'skipped' "build/logs/all-$name.log")
   fi
   echo "$tree|$result|$((SECONDS - begin))|$first" >"$results/$name"

@@ -15,10 +15,8 @@ die() {
   say "$*"
   exit 1
 }
-skip() {
-  say "skipped: $*"
-  exit 0
-}
+who=package
+source tests/bare/debian.sh
 
 version=$(sed -n 's/^project(palpa VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 debs=()
@@ -62,48 +60,18 @@ done
 rm -rf "$base/files"
 say "completion, pages for man, desktop file and metadata: read"
 
-[[ $(uname -s) == Linux ]] || skip "debootstrap needs Linux"
-if ((EUID != 0)); then
-  if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
-    exec sudo --preserve-env=PALPA_PACKAGE_KEEP "$PWD/tests/package/deb.sh" "$@"
-  fi
-  skip "this needs root, or sudo without a password"
-fi
-command -v debootstrap >/dev/null || skip "there is no debootstrap here: apt-get install debootstrap"
-unshare --mount --pid --fork --kill-child true 2>/dev/null || skip "this machine allows no mounts of one's own (unshare)"
+needs_root PALPA_PACKAGE_KEEP "$PWD/tests/package/deb.sh" "$@"
 
-inside() { # COMMAND: in the new system, in namespaces of its own
-  # shellcheck disable=SC2016  # expanded by the shell that is started
-  unshare --mount --pid --fork --kill-child bash -euc '
-    root=$1
-    mkdir -p "$root/dev/shm"
-    mount -t proc proc "$root/proc"
-    mount -t tmpfs -o mode=1777 shm "$root/dev/shm"
-    exec chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive sh -euc "$2"
-    ' inside "$root" "$1"
-}
 step() { # NAME COMMAND
   local begin=$SECONDS
-  inside "$2" >"$base/$1.log" 2>&1 </dev/null || {
+  inside "$root" DEBIAN_FRONTEND=noninteractive sh -euc "$2" >"$base/$1.log" 2>&1 </dev/null || {
     tail -n 30 "$base/$1.log"
     die "$1 failed; all that it said is in $base/$1.log"
   }
   say "$1: passed in $((SECONDS - begin)) s"
 }
 
-rm -rf "$root"
-if [[ ! -f $base/system.tar ]]; then
-  debootstrap --variant=minbase bookworm "$base/system" >"$base/debootstrap.log" 2>&1 || {
-    tail -n 5 "$base/debootstrap.log"
-    skip "debootstrap could not make Debian 12: is there a network?"
-  }
-  tar -C "$base/system" -cf "$base/system.tar.part" .
-  mv "$base/system.tar.part" "$base/system.tar"
-  rm -rf "$base/system"
-fi
-mkdir -p "$root"
-tar -C "$root" -xf "$base/system.tar"
-cp -L /etc/resolv.conf "$root/etc/resolv.conf"
+fresh_debian 12 "$root"
 mkdir "$root/debs"
 cp "${debs[@]}" "$root/debs/"
 cp -r tests/package/consumer docs README.md "$root/srv/"

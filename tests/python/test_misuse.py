@@ -119,6 +119,7 @@ def calls(cube, finger, openmpd, sphere, tmp_path_factory):
         (openmpd.from_world, {"points": finger, "pose": np.eye(4)}, None), (openmpd.solve_touch, {"touch": touch, **cpu}, None),
         (palpa.Recording, {"folder": ASSETS / "depth/take"}, None),
         (palpa.Recording(ASSETS / "depth/take").images, {"frame": 0}, None), (palpa.read_ply, {"file": ASSETS / "finger.ply"}, None),
+        (palpa.asset, {"name": "cube.glb"}, None),
         (palpa.write_ply, {"file": folder / "w.ply", "points": finger, "faces": [[0, 1, 2]]}, None),
         (palpa.plane, {"plane": "xz", "centre": [0, 0, 0.1], "size": (0.1, 0.1), "pixels": (3, 3)}, None),
         (palpa.line, {"start": [0, 0, 0], "end": [0, 0, 1], "samples": 3}, None), (palpa.set_log_level, {"level": "quiet"}, None),

@@ -24,7 +24,7 @@ def test_it_runs(path, tmp_path):
     for module in needs:
         pytest.importorskip(module)
     done = subprocess.run([sys.executable, str(path)], cwd=tmp_path, capture_output=True, text=True, timeout=900, check=False,
-                          env=os.environ | {"MPLBACKEND": "Agg", "PALPA_ASSETS": str(ROOT / "assets"), "MPLCONFIGDIR": str(tmp_path),
+                          env=os.environ | {"MPLBACKEND": "Agg", "MPLCONFIGDIR": str(tmp_path),
                                             "PYTHONPATH": str(pathlib.Path(palpa.__file__).resolve().parents[1])})
     # The new folder has no list of fonts, and Matplotlib says so if making one takes seconds.
     told = done.stderr.replace("Matplotlib is building the font cache; this may take a moment.\n", "")

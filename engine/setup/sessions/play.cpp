@@ -188,10 +188,11 @@ Playing::Playing(PlacedLayout array, const PlayOptions& o)
       posed(array::transformed(placed.layout, placed.T_world_layout)),
       setting{.output = {posed, drive_options(o.drive), 0, o.hold_s, o.safety, nullptr},
               .T_world_array = placed.T_world_layout,
-              .at_m = place_of(o),
               .upright = o.upright,
               .end_s = o.duration_s,
-              .seed = o.common.seed} {}
+              .seed = o.common.seed} {
+  setting.at_m = place_of(o);  // may throw: among the others, GCC 14 warns of what would be undone
+}
 
 std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, const std::string& who,
                                       std::span<const session::LinkKind> links) {
@@ -203,7 +204,8 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
   auto playing = std::make_unique<Playing>(load_placed_layout(rig), o);
   const array::Layout& layout = playing->posed;
   warn_of_frequency(layout, playing->setting.output.drive.medium);
-  const session::LinkKind& kind = session::find_kind(links, session::parse_spec(o.link).name, "link");
+  const auto [name, argument] = session::parse_spec(o.link);
+  const session::LinkKind& kind = session::find_kind(links, name, "link");
   const double period_s = 1 / layout.frequency_hz;
   playing->setting.listed = kind.plays_plans && goes_ahead(o, layout);
   double least_s = at_least(session::least_moving_slot_s(o.link, links, layout), period_s);
