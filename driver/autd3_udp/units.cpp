@@ -10,7 +10,7 @@
 namespace palpa::driver::autd3_udp {
 namespace {
 
-// Of the opening.
+// The opening:
 constexpr double request_s = 0.2;     ///< one request is waited for
 constexpr double others_s = 0.01;     ///< further answers to a request that only one unit may answer
 constexpr double protocols_s = 0.05;  ///< further answers to the question for the protocol
@@ -22,7 +22,7 @@ constexpr int tries_each = 3;
 constexpr double greeting_s = 0.05;
 constexpr int greeting_tries = 10;
 
-// Of frames.
+// Frames:
 constexpr double answer_s = 0.01;  ///< ... is repeated
 constexpr double silent_s = 0.25;  ///< ... means that the unit is lost; half of what its failsafe takes
 constexpr std::uint32_t least_repeats = 5;
@@ -504,7 +504,7 @@ void Units::take_frame(const Answer& answer, Unit& unit, double now_s) {
   const bool playing = step_ == Step::ready;
   if ((answer.flags & has_id) == 0 || answer.unit != number) {
     if (step_ == Step::stop) return;
-    return fail(now_s, "unit {} has begun anew", number);
+    return fail(now_s, "unit {} has restarted", number);
   }
   unit.unanswered_s = 0;
   unit.repeats = 0;

@@ -48,7 +48,7 @@ class Units {
   /// Whether all units have answered that silence.
   bool closed_silent() const { return closed() && closed_silent_; }
   std::string_view fault() const { return fault_.view(); }
-  /// Waits for units to agree on the time, which may take long.
+  /// Waits for units to agree on the time, which can take seconds.
   bool waits_for_clocks() const { return step_ == Step::lock; }
   pollfd watched() const { return cable_.watched(); }
 

@@ -98,7 +98,7 @@ enum Flag : std::uint8_t {
   first_unit = 0x20,
   failsafe_shut = 0x40,
 };
-/// Of the state that e7 reads.
+/// A bit of the state that e7 reads.
 inline constexpr std::uint8_t state_failsafe = 0x80;
 
 inline constexpr std::uint8_t status_ok = 0, status_wrong_protocol = 1;  ///< both of datagrams and of frames: ok
@@ -119,7 +119,7 @@ void put_request(Datagram& to, std::uint8_t protocol, Kind kind, std::uint16_t i
 void put_assign(Datagram& to, const Protocol& protocol, std::uint16_t id, std::uint8_t unit);
 void put_set_time(Datagram& to, const Protocol& protocol, std::uint16_t id, std::uint64_t ns);
 
-// Frames: each function writes all of one but for what stamp() sets.
+// Each of the following functions writes a whole frame, except for what stamp() sets.
 struct Stamp {
   std::uint16_t id = 0;
   std::uint8_t sequence = 0;  ///< where frames are counted
@@ -185,14 +185,14 @@ struct Answer {
   Kind kind = Kind::frame;
   std::uint16_t id = 0;
   std::uint8_t status = 0;
-  // Of frames, heartbeats and info.
+  // Only in answers to frames, heartbeats and info:
   std::uint8_t sequence = 0;  ///< of the last frame that was carried out, where frames are counted
   std::uint8_t flags = 0;
   std::uint8_t unit = no_id;
   std::uint64_t time_ns = 0;             ///< not of info
   std::span<const std::uint8_t> data{};  ///< what the kind or the command reads
 };
-/// Nothing: it is none, or too short for its kind.
+/// Nothing if it is no answer, or too short for its kind.
 std::optional<Answer> parse_answer(std::span<const std::uint8_t> datagram);
 
 struct Version {
