@@ -401,7 +401,7 @@ std::span<Datagram> Units::frames() {
   return free->frames;
 }
 
-void Units::send(Round round, double at_s, double now_s, bool counts) {
+std::uint64_t Units::send(Round round, double at_s, double now_s, bool counts) {
   Sent& sent = rounds_[writing_];
   sent.round = round;
   sent.number = ++round_number_;
@@ -412,6 +412,11 @@ void Units::send(Round round, double at_s, double now_s, bool counts) {
   ++id_;
   for (std::size_t u = units_.size(); u-- > 0;)  // the farthest first
     transmit(units_[u], writing_, now_s);
+  return sent.number;
+}
+
+bool Units::done(std::uint64_t round) const {
+  return std::ranges::none_of(rounds_, [&](const Sent& sent) { return sent.waits > 0 && sent.number == round; });
 }
 
 /// With the newest message id, which all units' frames of a round share.

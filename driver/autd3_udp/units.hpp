@@ -63,7 +63,13 @@ class Units {
   std::span<Datagram> frames();
   /// At `at_s` on the caller's clock, on all units at once; 0, or where frames carry no time: as soon as each has it.
   /// `counts`: drives_there() counts it once all units have carried it out.
-  void send(Round round, double at_s, double now_s, bool counts = false);
+  /// Returns the round's number.
+  std::uint64_t send(Round round, double at_s, double now_s, bool counts = false);
+  std::uint64_t newest() const { return round_number_; }  ///< of the rounds
+  /// Whether all units have carried out that round, or it was replaced.
+  bool done(std::uint64_t round) const;
+  /// What to add to the caller's time for that of the units.
+  double clock_ahead_s() const { return clock_ahead_s_; }
   std::uint64_t drives_there() const { return drives_there_; }
 
   std::uint64_t repeated() const { return repeated_; }  ///< frames sent again

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -16,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "base/system/descriptor.hpp"
 #include "driver/autd3_udp/board.hpp"
 #include "driver/autd3_udp/cable.hpp"
 #include "driver/rig_parts.hpp"
@@ -43,7 +45,10 @@ struct MadeUpUnit {
   int failsafe_ms = 0;
   double heard_s = -1, failsafe_off_until_s = 0;
   std::map<int, Pattern> banks[2];
-  int bank = 0, size[2] = {1, 1};
+  int bank = 0, size[2] = {1, 1}, divider[2] = {65535, 65535};
+  bool foci[2] = {false, false};
+  Bytes modulation[2];
+  int modulation_bank = 0, modulation_divider[2] = {65535, 65535};
   struct Waiting {
     double at_s;
     Bytes bytes;
@@ -65,6 +70,7 @@ struct MadeUpUnit {
     banks[1].clear();
     bank = 0;
     size[0] = size[1] = 1;
+    modulation_bank = 0;
     shut = false;
     failsafe_ms = counts() ? 500 : 0;
   }
@@ -147,18 +153,15 @@ class MadeUpChain {
   }
 
   struct Answer {
-    double at_s;
     Bytes bytes;
     Endpoint from;
   };
   std::deque<Answer> answers;
 
  private:
-  static constexpr double way_s = 0.1e-3;
-
   void answer(std::size_t u, Bytes bytes) {
     if (units[u].mute) return;
-    answers.push_back({now_s + way_s, std::move(bytes), unit_address(units[u].id)});
+    answers.push_back({std::move(bytes), unit_address(units[u].id)});
   }
   std::uint8_t flags(std::size_t u) const {
     const MadeUpUnit& unit = units[u];
@@ -316,8 +319,32 @@ class MadeUpChain {
         unit.failsafe_ms = p[34] | p[35] << 8;
         return 0;
       case 0x11:
-        if (p.size() != 14 || p[1] != 1) return 2;
+        if (p.size() != 14) return 2;
+        unit.foci[p[0]] = p[1] == 0;
+        unit.divider[p[0]] = p[2] | p[3] << 8;
         unit.size[p[0]] = p[4];
+        return 0;
+      case 0x10:
+        for (std::size_t k = 0; 6 + 8 * k < p.size(); ++k)  // its intensity, and the lowest byte of its x
+          unit.banks[p[0]][static_cast<int>(k)] = {{p[6 + 8 * k], (p[12 + 8 * k] >> 6 | p[13 + 8 * k] << 2) & 255}};
+        return 0;
+      case 0x13:
+        if (p.size() != 6 + 249u * p[2] || p[1] != 8) return 2;
+        for (std::size_t k = 0; k < p[2]; ++k) {
+          MadeUpUnit::Pattern& to = unit.banks[p[0]][p[4] + static_cast<int>(k)];
+          to.clear();
+          for (std::size_t t = 0; t < 249; ++t)
+            to.emplace_back(p[6 + 249 * k + t], p[3]);
+        }
+        return 0;
+      case 0x20:
+        unit.modulation[p[0]] = Bytes(p.begin() + 6, p.end());
+        return 0;
+      case 0x21:
+        unit.modulation_divider[p[0]] = p[2] | p[3] << 8;
+        return p[4] == unit.modulation[p[0]].size() ? 0 : 2;
+      case 0x22:
+        unit.modulation_bank = p[0];
         return 0;
       case 0x12:
         if (p.size() != 10) return 2;
@@ -334,6 +361,7 @@ class MadeUpChain {
         unit.banks[p[0]].clear();
         unit.banks[p[0]][0] = pattern(10);
         unit.size[p[0]] = 1;
+        unit.foci[p[0]] = false;
         sounds(p[0]);
         return 0;
       case 0xe7:
@@ -356,23 +384,25 @@ class MadeUpChain {
 /// The cable to it.
 class MadeUpCable final : public driver::autd3_udp::Cable {
  public:
-  explicit MadeUpCable(MadeUpChain& chain) : chain_(chain) {}
+  explicit MadeUpCable(MadeUpChain& chain) : chain_(chain), waits_(eventfd(1, EFD_NONBLOCK | EFD_CLOEXEC)) {}
   Endpoint group() const override { return chain_.group(); }
   void send(const Endpoint& to, std::span<const std::uint8_t> datagram) override {
     chain_.take(to, Bytes(datagram.begin(), datagram.end()));
   }
   std::optional<std::size_t> receive(std::span<std::uint8_t> into, Endpoint& from) override {
-    if (chain_.answers.empty() || chain_.answers.front().at_s > chain_.now_s) return std::nullopt;
+    if (chain_.answers.empty()) return std::nullopt;
     const MadeUpChain::Answer answer = chain_.answers.front();
     chain_.answers.pop_front();
     from = answer.from;
     std::copy_n(answer.bytes.begin(), std::min(answer.bytes.size(), into.size()), into.begin());
     return answer.bytes.size();
   }
-  pollfd watched() const override { return {-1, 0, 0}; }
+  /// Ready if there are answers: a descriptor that can always be read, or none.
+  pollfd watched() const override { return {chain_.answers.empty() ? -1 : waits_.get(), POLLIN, 0}; }
 
  private:
   MadeUpChain& chain_;
+  Descriptor waits_;
 };
 
 /// A board on it, as its guard has it.
@@ -382,7 +412,7 @@ struct ChainRig {
   ServedClock clock{[this] { chain.serve(clock.now_s()); }};
   KeptNotes notes;
   std::unique_ptr<driver::Board> board;
-  array::Drive drive, silence;
+  array::Drive drive, drives, silence;
   std::uint64_t slot = 0;
   double slot_s = 2e-3;
 
@@ -412,6 +442,20 @@ struct ChainRig {
     std::ranges::fill(drive,
                       array::TransducerDrive{1.0f, static_cast<float>(2 * M_PI * (turns - (turns > 0.5 ? 1 : 0)))});
     board->play(slot, drive);
+  }
+  /// `parts` drives, part p with phases of p steps and that intensity; from the slot on.
+  void plan(std::size_t parts, const std::function<float(std::size_t part, std::size_t transducer)>& amplitude,
+            double hz = 0, const std::vector<Vec3>& foci = {}) {
+    drives.resize(parts * silence.size());
+    for (std::size_t i = 0; i < drives.size(); ++i) {
+      const std::size_t part = i / silence.size();
+      drives[i] = {amplitude(part, i % silence.size()), static_cast<float>(2 * M_PI * static_cast<double>(part) / 256)};
+    }
+    const session::Cycle cycle{.plays = session::Plays::pattern,
+                               .length = static_cast<std::uint32_t>(parts),
+                               .modulation_hz = hz,
+                               .modulation = array::Modulation::amplitude_sine};
+    board->plan({{{slot, slot + 1000000, cycle}, clock.now_s(), slot_s}, drives, foci});
   }
   /// Until the next slot, as a guard does.
   void pass(double seconds) {

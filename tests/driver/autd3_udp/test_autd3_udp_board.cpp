@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -109,8 +110,7 @@ TEST(Autd3UdpBoard, DrivesSoundOnAllUnitsAtTheSameMoment) {
         EXPECT_EQ(unit.shown[n], MadeUpUnit::Pattern(249, {static_cast<int>(n + 1), 255}));
         if (protocol == 2) continue;
         EXPECT_EQ(unit.shown_s[n], rig.chain.units[0].shown_s[n]);
-        // At first, their clock is not known to less than the 5 ms that this board waited for each answer.
-        if (n > 2) {
+        if (n > 0) {
           EXPECT_NEAR(unit.shown_s[n] - unit.shown_s[n - 1], rig.slot_s, 0.6e-3);
         }
       }
@@ -182,6 +182,145 @@ TEST(Autd3UdpBoard, LossesAndRepeatsBringNoWrongPattern) {
     EXPECT_GT(rig.board->counts().completed.drives, 150u);
     rig.board->all_off();
     EXPECT_TRUE(rig.board->close());
+  }
+}
+
+constexpr auto full = [](std::size_t, std::size_t) { return 1.0f; };
+constexpr auto mixed = [](std::size_t part, std::size_t t) { return (part + t) % 2 == 0 ? 1.0f : 0.5f; };
+
+/// Short slots: units play by their own clock. They have the drives of all slots, and begin at the same moment with the
+/// part that the loop's slots have reached.
+TEST(Autd3UdpBoard, APlanOfShortSlotsIsWrittenAheadAndSoundsAsAWhole) {
+  const std::vector<Vec3> foci = [] {
+    std::vector<Vec3> out;
+    for (int i = 0; i < 10; ++i)
+      out.emplace_back(0.001 * i, 0, 0.1);
+    return out;
+  }();
+  for (const int protocol : protocols_there) {
+    for (const int command : {0x15, 0x13, 0x10}) {
+      for (const bool loses : {false, true}) {
+        ChainRig rig(protocol, 2);
+        rig.slot_s = 0.1e-3;
+        rig.open();
+        for (MadeUpUnit& unit : rig.chain.units)
+          unit.commands.clear();
+        if (loses) rig.chain.units[1].lose = rig.chain.units[0].lose_answers = 1;
+        rig.slot = 12345;
+        const double begin_s = rig.clock.now_s();
+        if (command == 0x15) rig.plan(10, mixed);
+        if (command == 0x13) rig.plan(10, full);
+        if (command == 0x10) rig.plan(10, full, 0, foci);
+        rig.pass(0.1);
+        for (MadeUpUnit& unit : rig.chain.units) {
+          EXPECT_EQ(std::ranges::count(unit.commands, command) > 0, true) << protocol << " " << command;
+          EXPECT_EQ(std::ranges::count(unit.commands, 0x12) > 0, true);
+          EXPECT_TRUE(unit.sounds());
+          EXPECT_EQ(unit.size[unit.bank], 10);
+          EXPECT_EQ(unit.divider[unit.bank], 4);
+          EXPECT_EQ(unit.foci[unit.bank], command == 0x10);
+          for (int slot = 0; slot < 10; ++slot) {  // in its middle, which half a slot does not move out of
+            const double at_s = begin_s + 0.1e-3 * (slot + 0.5) - rig.chain.set_s;
+            const auto index = static_cast<std::uint64_t>(at_s / 0.1e-3) % 10;
+            const int expected = static_cast<int>((rig.slot + static_cast<std::uint64_t>(slot)) % 10);
+            const auto& [phase, intensity] = unit.banks[unit.bank][static_cast<int>(index)].at(0);
+            if (command == 0x10) {
+              EXPECT_EQ(intensity, 255);
+            } else {
+              const int off = std::min((phase - expected + 10) % 10, (expected - phase + 10) % 10);
+              EXPECT_LE(off, 1) << protocol << " " << slot;
+            }
+          }
+          if (protocol != 2 && !loses) {
+            EXPECT_EQ(unit.shown_s.back(), rig.chain.units[0].shown_s.back());
+          }
+        }
+        for (int i = 0; i < 100; ++i) {
+          rig.board->play(rig.slot++, std::span(rig.drives).first(rig.silence.size()));
+        }
+        const BoardCounts counts = rig.board->counts();
+        EXPECT_EQ(counts.completed.plans, 1u);
+        EXPECT_EQ(counts.completed.drives, 100u);
+        rig.board->all_off();
+        EXPECT_TRUE(rig.board->close());
+        for (MadeUpUnit& unit : rig.chain.units) {
+          EXPECT_FALSE(unit.sounds());
+          unit.bank ^= 1;
+          EXPECT_FALSE(unit.sounds()) << "nor the other bank";
+        }
+        EXPECT_TRUE(rig.notes.warnings.empty());
+      }
+    }
+  }
+}
+
+TEST(Autd3UdpBoard, ASilenceWhileAPlanIsWrittenEndsIt) {
+  for (const int protocol : protocols_there) {
+    ChainRig rig(protocol, 2);
+    rig.slot_s = 0.1e-3;
+    rig.open();
+    rig.plan(40, mixed);
+    rig.pass(0.5e-3);
+    rig.board->all_off();
+    rig.pass(0.1);
+    for (MadeUpUnit& unit : rig.chain.units) {
+      EXPECT_TRUE(std::ranges::none_of(unit.shown, [](const auto& pattern) {
+        return std::ranges::any_of(pattern, [](const auto& one) { return one.second > 0; });
+      })) << protocol;
+      for (int bank : {0, 1}) {
+        unit.bank = bank;
+        EXPECT_FALSE(unit.sounds()) << protocol;
+      }
+    }
+    EXPECT_TRUE(rig.board->close());
+  }
+}
+
+TEST(Autd3UdpBoard, APlanOfLongSlotsIsSentDriveByDrive) {
+  for (const int protocol : protocols_there) {
+    ChainRig rig(protocol, 2);
+    rig.open();
+    rig.plan(10, mixed);
+    for (int i = 0; i < 30; ++i) {
+      rig.board->play(rig.slot, std::span(rig.drives).first(rig.silence.size()));
+      rig.next_slot();
+    }
+    rig.pass(0.01);
+    for (const MadeUpUnit& unit : rig.chain.units) {
+      ASSERT_EQ(unit.shown.size(), 30u) << protocol;
+      for (int i = 0; i < 30; ++i)
+        EXPECT_EQ(unit.shown[static_cast<std::size_t>(i)][0].first, i % 10);
+    }
+    EXPECT_EQ(rig.board->counts().completed.drives, 30u);
+  }
+}
+
+TEST(Autd3UdpBoard, AModulationIsPlayedFromTheUnitsMemory) {
+  for (const int protocol : protocols_there) {
+    ChainRig rig(protocol, 2);
+    rig.open();
+    rig.plan(1, mixed, 200);
+    rig.pass(0.05);
+    for (const MadeUpUnit& unit : rig.chain.units) {
+      const Bytes& samples = unit.modulation[unit.modulation_bank];
+      EXPECT_EQ(unit.modulation_divider[unit.modulation_bank], 10);
+      ASSERT_EQ(samples.size(), 20u) << "200 Hz at 4 kHz";
+      double sine = 0, cosine = 0, mean = 0;
+      for (std::size_t i = 0; i < 20; ++i) {
+        sine += samples[i] * std::sin(2 * M_PI * static_cast<double>(i) / 20) / 10;
+        cosine += samples[i] * std::cos(2 * M_PI * static_cast<double>(i) / 20) / 10;
+        mean += samples[i] / 20.0;
+      }
+      EXPECT_NEAR(mean, 127.5, 1);
+      EXPECT_NEAR(std::hypot(sine, cosine), 127.5, 1);
+      EXPECT_EQ(unit.shown.size(), 1u);
+    }
+    rig.plan(1, full);
+    rig.pass(0.05);
+    for (const MadeUpUnit& unit : rig.chain.units) {
+      EXPECT_EQ(unit.modulation[unit.modulation_bank], (Bytes{255, 255}));
+      EXPECT_EQ(unit.shown.size(), 2u);
+    }
   }
 }
 
@@ -276,7 +415,7 @@ TEST(Autd3UdpBoard, AnswersThatLieAreLeftOut) {
         if (lie % 3 == 0) from.scope = 8;
         if (lie % 3 == 1) from.address[0] = 0x20;
         if (lie % 3 == 2) from.port = 1234;
-        rig.chain.answers.push_front({0, bytes, from});
+        rig.chain.answers.push_front({bytes, from});
       }
       rig.next_slot();
     }
