@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <string_view>
 #include <utility>
 
@@ -356,7 +355,7 @@ class Autd3Board final : public Board {
       return loading_.part(turn_.part_at(place, parts)).subspan(first, transducers);
     };
     const std::uint8_t idle = segment_ ^ 1;
-    if (place_ == 0 && can_be_foci()) {
+    if (place_ == 0 && parts <= most_foci && can_be_foci(loading_, layout_, sound_speed_m_s_)) {
       to_all([&](Message m, std::size_t first) { put_all_foci(m, first / transducers, idle); });
       place_ = parts;
       transition_ = true;
@@ -384,39 +383,12 @@ class Autd3Board final : public Board {
     return true;
   }
 
-  FixedPoint fixed(const Vec3& focus, std::size_t device) const {
-    const array::Board& board = layout_.boards[device];
-    const Vec3 way = focus - layout_.transducers[board.first].position;
-    const auto along = [&](int axis) {
-      const double units = glm::dot(way, Vec3(board.T_layout_board[axis])) / fixed_unit_m;
-      return static_cast<std::int32_t>(std::lround(std::clamp(units, -1e9, 1e9)));
-    };
-    return {along(0), along(1), along(2)};
-  }
-
-  /// Whether the devices can compute the drives from their foci: one amplitude for each drive, and foci within reach.
-  bool can_be_foci() const {
-    const std::span<const Vec3> foci = loading_.foci();
-    if (!loading_.even() || foci.size() < 2 || foci.size() > most_foci) return false;
-    if (sound_speed_m_s_ > most_sound_speed_m_s || layout_.frequency_hz != period_hz) return false;
-    // Devices get the speed in steps, which matter if it is low and the way long.
-    constexpr double most_turns_off = 2.0 / 256;
-    const double told_m_s = std::round(sound_speed_m_s_ * sound_speed_steps) / sound_speed_steps;
-    const double off_turns_per_m = std::abs(1 / told_m_s - 1 / sound_speed_m_s_) * period_hz;
-    return std::ranges::all_of(foci, [&](const Vec3& focus) {
-      for (std::size_t d = 0; d < remote_.devices(); ++d) {
-        const double way = glm::length(focus - layout_.transducers[layout_.boards[d].first].position);
-        if (!within_reach(fixed(focus, d)) || way * off_turns_per_m > most_turns_off) return false;
-      }
-      return true;
-    });
-  }
   void put_all_foci(Message message, std::size_t device, std::uint8_t segment) const {
     std::array<FixedPoint, most_foci> points;
     const std::uint32_t parts = loading_.parts();
     for (std::uint32_t place = 0; place < parts; ++place) {
       const std::uint32_t part = turn_.part_at(place, parts);
-      points[place] = fixed(loading_.foci()[part], device);
+      points[place] = fixed_point(loading_.foci()[part], layout_, device);
       points[place].intensity = loading_.part(part)[0].intensity;
     }
     put_foci(message, segment, divider_, sound_speed_m_s_, std::span(points).first(parts));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "base/error.hpp"
 
@@ -30,13 +31,40 @@ void Pattern::encode(const BoardPlan& plan) {
   begin_s_ = plan.from_s - static_cast<double>(plan.slots.from) * plan.slot_s;
 }
 
-std::uint16_t divider_of(double slot_s) {
+FixedPoint fixed_point(const Vec3& focus, const array::Layout& layout, std::size_t device) {
+  const array::Board& board = layout.boards[device];
+  const Vec3 way = focus - layout.transducers[board.first].position;
+  const auto along = [&](int axis) {
+    const double units = glm::dot(way, Vec3(board.T_layout_board[axis])) / fixed_unit_m;
+    return static_cast<std::int32_t>(std::lround(std::clamp(units, -1e9, 1e9)));
+  };
+  return {along(0), along(1), along(2)};
+}
+
+bool can_be_foci(const Pattern& pattern, const array::Layout& layout, double sound_speed_m_s) {
+  const std::span<const Vec3> foci = pattern.foci();
+  if (!pattern.even() || foci.size() < 2) return false;
+  if (sound_speed_m_s > most_sound_speed_m_s || layout.frequency_hz != period_hz) return false;
+  // Devices get the speed in steps, which matter if it is low and the way long.
+  constexpr double most_turns_off = 2.0 / 256;
+  const double told_m_s = std::round(sound_speed_m_s * sound_speed_steps) / sound_speed_steps;
+  const double off_turns_per_m = std::abs(1 / told_m_s - 1 / sound_speed_m_s) * period_hz;
+  return std::ranges::all_of(foci, [&](const Vec3& focus) {
+    for (std::size_t d = 0; d < layout.boards.size(); ++d) {
+      const double way = glm::length(focus - layout.transducers[layout.boards[d].first].position);
+      if (!within_reach(fixed_point(focus, layout, d)) || way * off_turns_per_m > most_turns_off) return false;
+    }
+    return true;
+  });
+}
+
+std::uint16_t divider_of(double slot_s, std::string_view link) {
   const double periods = slot_s * period_hz;
   if (!(std::abs(periods - std::round(periods)) < 1e-6 && periods > 0.5 && periods <= 65535)) {
     throw bad_usage(
-        fmt::format("link autd3: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
+        fmt::format("link {}: a slot of {:g} ms is not a whole number of periods of 0.025 ms; choose a --dwell that "
                     "is, such as {:g}ms",
-                    1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
+                    link, 1e3 * slot_s, std::max(1.0, std::round(periods)) * 0.025));
   }
   return static_cast<std::uint16_t>(std::lround(periods));
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "driver/autd3/wire.hpp"
@@ -53,8 +54,13 @@ class Pattern {
   array::Modulation modulation_ = array::Modulation::pressure_sine;
 };
 
+/// A focus in the units of a device, board number `device` of the layout.
+FixedPoint fixed_point(const Vec3& focus, const array::Layout& layout, std::size_t device);
+/// Whether devices can compute these drives from their foci: one amplitude for each drive, and foci within reach.
+bool can_be_foci(const Pattern& pattern, const array::Layout& layout, double sound_speed_m_s);
+
 /// The periods of a slot. Throws bad_usage if they are not whole, or too many.
-std::uint16_t divider_of(double slot_s);
+std::uint16_t divider_of(double slot_s, std::string_view link = "autd3");
 
 /// How far the devices' count of parts is ahead of the loop's count of slots. Both advance alike, so the number stays
 /// the same for a long time: it changes only when the two have drifted apart by a whole slot. Devices are assumed to
