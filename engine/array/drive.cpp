@@ -19,6 +19,7 @@
 #include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/greedy.hpp"
 #include "array/solvers/gs_pat.hpp"
+#include "array/solvers/loud_phases.hpp"
 #include "base/error.hpp"
 
 namespace palpa::array {
@@ -33,6 +34,8 @@ struct DriveScratch::Parts {
   Columns columns;
   FocusMatrix matrix;
   GsPatScratch gs_pat;
+  LoudScratch loud;
+  Columns ears;  ///< those of a few transducers, which judge whether foci are near
   PressureScratch pressures;
   std::vector<SlotFocus> foci;  ///< the drivable ones, as `sources`
   std::vector<double> targets;
@@ -128,6 +131,17 @@ double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   const Columns& columns = scratch.columns;
   scratch.weights.resize(columns.foci);
   scratch.sums.resize(columns.transducers);
+  if (is_gs_pat(options.solver)) {
+    const LoudEfforts* const effort =
+        loud_effort(care_of(options.solver), options.constraint, columns.foci, columns.transducers, [&] {
+          take_part(columns, loud_ears, scratch.ears);
+          return are_near(scratch.ears, scratch.matrix);
+        });
+    if (effort) {
+      loud_phases(columns, scratch.gains, options.constraint, *effort, scratch.sums, scratch.loud);
+      return 1;
+    }
+  }
   multiply(columns, scratch.matrix);
   if (options.solver == Solver::eigenvalue) {
     find_weights(scratch, [&](std::span<const double> gains, std::span<Complex> factors) {
@@ -141,8 +155,7 @@ double sum_weighted(const DriveOptions& options, Scratch& scratch) {
     });
     return sum_columns(scratch);
   }
-  gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, care_of(options.solver), scratch.weights,
-         scratch.gs_pat);
+  gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
   const double largest = sum_columns(scratch);
   gs_pat_turn(columns, options.constraint, scratch.sums, scratch.gs_pat);
   return largest;
@@ -359,11 +372,10 @@ void reserve(DriveScratch& memory, const Layout& layout, const DriveOptions& opt
   turning.normal.reserve(square);
   for (std::vector<double>* values : {&turning.rest, &turning.miss, &turning.tried_miss})
     values->reserve(few);
-  scratch.gs_pat.shares.reserve(few);
-  for (std::vector<double>* values : {&scratch.gs_pat.near.re, &scratch.gs_pat.near.im})
-    values->reserve(square);
-  reserve(scratch.gs_pat.search, transducers, few);
-  reserve(scratch.gs_pat.climb, transducers, few);
+  reserve(scratch.loud, transducers, few);
+  for (std::vector<double>* values :
+       {&scratch.ears.cosine, &scratch.ears.sine, &scratch.ears.loud, &scratch.ears.asked})
+    values->reserve(loud_ears * few);
   for (EvenScratch* even : {&scratch.gs_pat.even, &pressures.gs_pat.even, &pressures.even}) {
     for (std::vector<Complex>* values : {&even->pressure, &even->tried_pressure, &even->tried})
       values->reserve(few);

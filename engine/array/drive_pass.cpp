@@ -150,18 +150,18 @@ void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   host_slots_.reserve(layout_, options_, most, most_foci_);
   host_numbers_.reserve(most);
   host_drives_.reserve(most * batch_.transducers);
-  if (seeking) ears_ = spread_over(layout_, gs_pat_ears);
+  if (seeking) ears_ = spread_over(layout_, loud_ears);
 }
 
 bool DriveMemory::may_seek() const {
   return is_gs_pat(options_.solver) &&
-         effort_for(care_of(options_.solver), options_.constraint, 2, [] { return true; });
+         loud_effort(care_of(options_.solver), options_.constraint, 2, batch_.transducers, [] { return true; });
 }
 
 /// The same decision as gs_pat's.
 bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
   if (!may_seek()) return false;
-  return effort_for(care_of(options_.solver), options_.constraint, count, [&] {
+  return loud_effort(care_of(options_.solver), options_.constraint, count, batch_.transducers, [&] {
            ears_field_.set(ears_, options_.medium, options_.directivity);
            ears_sources_.clear();
            for (const SlotFocus& focus : foci) {

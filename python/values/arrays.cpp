@@ -14,6 +14,7 @@
 #include "base/units.hpp"
 #include "module.hpp"
 #include "running.hpp"
+#include "setup/files/drive_file.hpp"
 #include "shapes.hpp"
 #include "values/options.hpp"
 
@@ -273,16 +274,16 @@ array::Drive drive_of(const std::string& name, py::handle value, const array::La
   if (!is_real(given) && given.dtype().kind() != 'c') refuse_type(name, given, wanted.c_str());
   const auto array = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>::ensure(given);
   if (!array) throw py::error_already_set();
-  constexpr double rounding = 1e-6;  // of complex64
   array::Drive drive;
   drive.reserve(layout.transducers.size());
   for (py::ssize_t i = 0; i < array.size(); ++i) {
     const std::complex<double> entry = array.data()[i];
-    const double amplitude = std::abs(entry);
-    if (!(amplitude <= 1 + rounding)) {
-      throw bad_usage(fmt::format("{}: entry {} has the amplitude {}; amplitudes are 0 to 1", name, i, amplitude));
+    const std::optional<float> amplitude = setup::as_given_amplitude(std::abs(entry));
+    if (!amplitude) {
+      throw bad_usage(
+          fmt::format("{}: entry {} has the amplitude {}; amplitudes are 0 to 1", name, i, std::abs(entry)));
     }
-    drive.push_back({static_cast<float>(std::min(amplitude, 1.0)), static_cast<float>(std::arg(entry))});
+    drive.push_back({*amplitude, static_cast<float>(std::arg(entry))});
   }
   return drive;
 }

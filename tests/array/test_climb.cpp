@@ -15,6 +15,31 @@ namespace {
 
 using Complex = std::complex<double>;
 
+LaneDrives lanes_of(const std::vector<Complex>& drive) {
+  LaneDrives lanes;
+  const std::size_t size = (drive.size() + lanes_together - 1) / lanes_together * lanes_together;
+  lanes.re.resize(size);
+  lanes.im.resize(size);
+  for (std::size_t n = 0; n < drive.size(); ++n) {
+    lanes.re[n] = static_cast<float>(drive[n].real());
+    lanes.im[n] = static_cast<float>(drive[n].imag());
+  }
+  return lanes;
+}
+
+/// Changes `drive` and `shares`; returns the weakest focus.
+double climb_all(const Columns& columns, const std::vector<double>& targets, const ClimbEffort& effort,
+                 std::vector<double>& shares, std::vector<Complex>& drive) {
+  LaneColumns lanes;
+  take_lanes(columns, columns.transducers, lanes);
+  LaneDrives moved = lanes_of(drive);
+  ClimbScratch scratch;
+  const double weakest = climb(lanes, targets, effort, shares, moved, scratch);
+  for (std::size_t n = 0; n < drive.size(); ++n)
+    drive[n] = {static_cast<double>(moved.re[n]), static_cast<double>(moved.im[n])};
+  return weakest;
+}
+
 // The conditions of an optimum: all foci with a share are at the level, all others above it.
 TEST(ShareStep, FindsTheBestCommonLevel) {
   SetRandom random(3);
@@ -73,17 +98,16 @@ TEST(Climb, RaisesTheWeakestAndNothingElseChanges) {
       const std::vector<Complex> first = drive;
       const auto before = heard_of(columns, first);
       std::vector<double> shares(columns.foci, 1);
-      ClimbScratch scratch;
-      const double weakest = climb(columns, targets, {10, 30, 0, 1000, 1e-4}, shares, drive, scratch);
+      const double weakest = climb_all(columns, targets, {10, 30, 0, 1000, 1e-4}, shares, drive);
       const auto after = heard_of(columns, drive);
       EXPECT_NEAR(weakest, *std::ranges::min_element(after), 1e-6 * weakest);
       EXPECT_GE(weakest, *std::ranges::min_element(before));
       for (std::size_t n = 0; n < drive.size(); ++n)
-        ASSERT_NEAR(std::abs(drive[n]), std::abs(first[n]), 1e-12) << n;
+        ASSERT_NEAR(std::abs(drive[n]), std::abs(first[n]), 1e-5) << n;
       // Lowering costs the weakest next to nothing, and no focus becomes less even.
       std::vector<Complex> lowered = first;
       std::ranges::fill(shares, 1);
-      EXPECT_GE(climb(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, lowered, scratch), 0.996 * weakest);
+      EXPECT_GE(climb_all(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, lowered), 0.996 * weakest);
       const auto last = heard_of(columns, lowered);
       EXPECT_LE(*std::ranges::max_element(last), 1.01 * *std::ranges::max_element(after));
     }
@@ -99,8 +123,7 @@ TEST(Climb, IgnoresFociWithoutATarget) {
     const Columns asked = columns_of(layout, {foci.begin() + 1, foci.end() - 1}, Weighting::uniform);
     std::vector<Complex> drive = sums_of(asked, Constraint::uniform);
     std::vector<double> shares(all.size(), 1);
-    ClimbScratch scratch;
-    return climb(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, drive, scratch);
+    return climb_all(columns, targets, {10, 30, 20, 1000, 1e-4}, shares, drive);
   };
   const double weakest = climbed({foci.begin() + 1, foci.end() - 1}, {1, 1, 1});
   EXPECT_GT(weakest, 0);
@@ -120,9 +143,9 @@ TEST(Climb, APassTurnsEachTransducerAsFarAsItsStiffnessLets) {
       factor = {random.between(-1, 1), random.between(-1, 1)};
   }
   LaneColumns lanes;
-  LaneDrives lane_drive, tried;
-  take_lanes(columns, lanes);
-  take_lanes(drive, lane_drive);
+  take_lanes(columns, columns.transducers, lanes);
+  const LaneDrives lane_drive = lanes_of(drive);
+  LaneDrives tried;
   constexpr double soft = 0.2, stiffness = 2, most_turn = 0.3;
   turn_lanes(lanes, lane_drive, pull, {stiff, soft}, stiffness, most_turn, tried, pressure);
   std::vector<double> growth(foci * foci), by_hand(foci * foci);

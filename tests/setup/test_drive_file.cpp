@@ -50,6 +50,9 @@ TEST_F(DriveFile, IsReadBack) {
   }
   EXPECT_EQ(read(with(7, 7, "0"))[7].amplitude, 0);
   EXPECT_EQ(read(with(7, 7, "1"))[7].amplitude, 1);
+  // What numpy's abs often is for a unit phasor, in double and in single precision.
+  for (const char* const one : {"1.0000000000000002", "1.00000024", "1.000001"})
+    EXPECT_EQ(read(with(7, 7, one))[7].amplitude, 1) << one;
 }
 
 TEST_F(DriveFile, FaultsAreNamedWithTheirLine) {
@@ -58,6 +61,7 @@ TEST_F(DriveFile, FaultsAreNamedWithTheirLine) {
   const std::vector<std::pair<std::string, std::string>> faults{
       {with(9, 7, "-0.25"), "d.csv: line 11: amplitude -0.25 is not within 0..1"},
       {with(9, 7, "1.5"), "line 11: amplitude 1.5 is not within 0..1"},
+      {with(9, 7, "1.00001"), "line 11: amplitude 1.00001 is not within 0..1"},
       {with(9, 7, "nan"), "line 11: "},
       {with(9, 8, "7e6"), "line 11: phase 7000000 is more than a million turns"},
       {with(9, 8, "1,2"), "line 11: "},

@@ -91,7 +91,7 @@ void find_weights(const Columns& columns, std::span<const double> gains, std::sp
   const std::size_t foci = columns.foci;
   if (foci > 1 && foci <= most_solved_foci) {
     // The factors are found for amplitudes in proportion; silent_phases makes them even under other constraints.
-    gs_pat(scratch.matrix, columns, gains, Constraint::normalise, Care::usual, weights, gs_pat_scratch);
+    gs_pat(scratch.matrix, columns, gains, Constraint::normalise, weights, gs_pat_scratch);
     scratch.targets.resize(foci);
     for (std::size_t j = 0; j < foci; ++j)
       scratch.targets[j] = gains[j] * gs_pat_scratch.claims[j];

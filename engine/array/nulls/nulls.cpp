@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "array/field/free_field.hpp"
-#include "array/solvers/search.hpp"
+#include "array/solvers/loud_phases.hpp"
 
 namespace palpa::array {
 namespace {

@@ -33,7 +33,7 @@ void start_together(const FocusMatrix& matrix, const Columns& columns, std::span
   for (double& gain : scratch.gains)
     gain /= most;
   scratch.weights.resize(factors.size());
-  gs_pat(matrix, columns, scratch.gains, Constraint::normalise, Care::usual, scratch.weights, scratch.gs_pat);
+  gs_pat(matrix, columns, scratch.gains, Constraint::normalise, scratch.weights, scratch.gs_pat);
   for (std::size_t j = 0; j < factors.size(); ++j)
     factors[j] = scratch.weights[j].heard;
   std::vector<Complex>& pressure = scratch.gs_pat.pressure;

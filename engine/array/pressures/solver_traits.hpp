@@ -3,7 +3,7 @@
 
 #include "array/drive_options.hpp"
 #include "array/pressures/slot_pressures.hpp"
-#include "array/solvers/gs_pat.hpp"
+#include "array/solvers/loud_phases.hpp"
 
 namespace palpa::array {
 

@@ -72,14 +72,12 @@ double unevenness(std::span<const double> loud, std::span<const std::uint8_t> co
 /// One climb. Its state is that of the scratch.
 class Climb {
  public:
-  Climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort, std::span<double> shares,
-        std::span<Complex> drive, ClimbScratch& scratch)
+  Climb(const LaneColumns& columns, std::span<const double> targets, const ClimbEffort& effort,
+        std::span<double> shares, LaneDrives& drive, ClimbScratch& scratch)
       : columns_(columns), targets_(targets), effort_(effort), shares_(shares), drive_(drive), s_(scratch) {}
 
   double run() {
-    take_lanes(columns_, s_.columns);
-    take_lanes(drive_, s_.drive);
-    hear_lanes(s_.columns, s_.drive, s_.pressure);
+    hear_lanes(columns_, drive_, s_.pressure);
     find_loudness(s_.pressure, s_.loud);
     begin_shares();
     if (std::ranges::none_of(s_.counts, [](std::uint8_t counts) { return counts != 0; })) return 0;
@@ -88,7 +86,6 @@ class Climb {
     rise(0, effort_.steps);
     double weakest = weakest_of(s_.loud, s_.counts);
     if (effort_.lowerings > 0) lower(weakest);
-    give_back(s_.drive, drive_);
     return weakest;
   }
 
@@ -128,19 +125,19 @@ class Climb {
       s_.turn[j] = s_.counts[j] && heard > 0 ? std::conj(s_.pressure[j]) / (heard * targets_[j]) : 0;
     }
     const std::size_t used = std::max<std::size_t>(effort_.transducers / lanes_together, 1);
-    array::find_growth(s_.columns, s_.drive, s_.turn, {s_.stiff_pull, soft_},
-                       std::max<std::size_t>(s_.columns.blocks / used, 1), s_.growth);
+    array::find_growth(columns_, drive_, s_.turn, {s_.stiff_pull, soft_},
+                       std::max<std::size_t>(columns_.blocks / used, 1), s_.growth);
   }
 
   /// Fills the tried drives, their pressure and their loudness.
   void try_shares(double stiffness) {
     find_pull(s_.tried_shares, s_.pull);
-    turn_lanes(s_.columns, s_.drive, s_.pull, {s_.stiff_pull, soft_}, stiffness, climb_most_turn, s_.tried,
+    turn_lanes(columns_, drive_, s_.pull, {s_.stiff_pull, soft_}, stiffness, climb_most_turn, s_.tried,
                s_.tried_pressure);
     find_loudness(s_.tried_pressure, s_.tried_loud);
   }
   void keep() {
-    std::swap(s_.drive, s_.tried);
+    std::swap(drive_, s_.tried);
     std::swap(s_.pressure, s_.tried_pressure);
     std::swap(s_.loud, s_.tried_loud);
   }
@@ -216,11 +213,11 @@ class Climb {
     }
   }
 
-  const Columns& columns_;
+  const LaneColumns& columns_;
   const std::span<const double> targets_;
   const ClimbEffort& effort_;
   const std::span<double> shares_;
-  const std::span<Complex> drive_;
+  LaneDrives& drive_;
   ClimbScratch& s_;
   double soft_ = 0;
 };
@@ -273,12 +270,8 @@ double find_shares(std::span<const double> growth, std::span<const double> loud,
 }
 
 void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
-  for (std::vector<float>* values : {&scratch.columns.re, &scratch.columns.im})
-    values->reserve((transducers + lanes_together) * foci);
-  for (LaneDrives* drives : {&scratch.drive, &scratch.tried}) {
-    drives->re.reserve(transducers + lanes_together);
-    drives->im.reserve(transducers + lanes_together);
-  }
+  scratch.tried.re.reserve(transducers + lanes_together);
+  scratch.tried.im.reserve(transducers + lanes_together);
   for (std::vector<Complex>* values :
        {&scratch.pressure, &scratch.tried_pressure, &scratch.pull, &scratch.stiff_pull, &scratch.turn})
     values->reserve(foci);
@@ -291,10 +284,10 @@ void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci) {
     values->reserve(foci);
 }
 
-double climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort,
-             std::span<double> shares, std::span<Complex> drive, ClimbScratch& scratch) {
+double climb(const LaneColumns& columns, std::span<const double> targets, const ClimbEffort& effort,
+             std::span<double> shares, LaneDrives& drive, ClimbScratch& scratch) {
   const std::size_t foci = columns.foci;
-  assert(targets.size() == foci && shares.size() == foci && drive.size() == columns.transducers);
+  assert(targets.size() == foci && shares.size() == foci);
   if (columns.transducers == 0) return 0;
   for (std::vector<Complex>* values :
        {&scratch.pressure, &scratch.tried_pressure, &scratch.pull, &scratch.stiff_pull, &scratch.turn})

@@ -74,8 +74,7 @@ struct ClimbEffort {
 
 /// Keeps its storage from call to call.
 struct ClimbScratch {
-  LaneColumns columns;
-  LaneDrives drive, tried;
+  LaneDrives tried;
   std::vector<std::complex<double>> pressure, tried_pressure, pull, stiff_pull, turn;
   std::vector<double> growth, loud, tried_loud, tried_shares, change;
   std::vector<std::uint8_t> counts;
@@ -88,7 +87,7 @@ void reserve(ClimbScratch& scratch, std::size_t transducers, std::size_t foci);
 /// Changes the phases of `drive`, one per transducer, magnitudes 0 to 1. `targets` are t_j; foci whose target is 0 are
 /// ignored. `shares` are z_j, for the first stiffness, and afterwards the last ones. Returns the loudness of the
 /// weakest focus relative to its target, 0 if no focus has one.
-double climb(const Columns& columns, std::span<const double> targets, const ClimbEffort& effort,
-             std::span<double> shares, std::span<std::complex<double>> drive, ClimbScratch& scratch);
+double climb(const LaneColumns& columns, std::span<const double> targets, const ClimbEffort& effort,
+             std::span<double> shares, LaneDrives& drive, ClimbScratch& scratch);
 
 }  // namespace palpa::array

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "array/field/transfer.hpp"
+#include "array/solvers/greedy.hpp"
 #include "base/lanes.hpp"
 
 namespace palpa::array {
@@ -149,37 +150,31 @@ void total(const Sums& re, const Sums& im, std::span<Complex> pressure) {
 
 }  // namespace
 
-void take_lanes(const Columns& columns, LaneColumns& lanes) {
+void take_lanes(const Columns& columns, std::size_t count, LaneColumns& lanes) {
   const std::size_t foci = columns.foci;
+  const bool everyone = count >= columns.transducers;
   lanes.foci = foci;
-  lanes.blocks = (columns.transducers + lanes_together - 1) / lanes_together;
-  for (std::vector<float>* values : {&lanes.re, &lanes.im})
-    values->assign(lanes.blocks * foci * lanes_together, 0);
-  for (std::size_t n = 0; n < columns.transducers; ++n) {
-    const std::size_t first = n / lanes_together * foci * lanes_together + n % lanes_together;
+  lanes.transducers = std::min(count, columns.transducers);
+  lanes.blocks = (lanes.transducers + lanes_together - 1) / lanes_together;
+  lanes.re.resize(lanes.blocks * foci * lanes_together);
+  lanes.im.resize(lanes.blocks * foci * lanes_together);
+  const std::size_t stride = everyone ? 1 : greedy_stride(static_cast<std::uint32_t>(columns.transducers));
+  const double* const loud = columns.loud.data();
+  const double* const cosine = columns.cosine.data();
+  const double* const sine = columns.sine.data();
+  float* const re = lanes.re.data();
+  float* const im = lanes.im.data();
+  for (std::size_t i = 0, n = 0; i < lanes.transducers; ++i, n = (n + stride) % columns.transducers) {
+    const std::size_t first = i / lanes_together * foci * lanes_together + i % lanes_together, from = n * foci;
     for (std::size_t j = 0; j < foci; ++j) {
-      const Complex sound = columns.transfer(n * foci + j);
-      lanes.re[first + j * lanes_together] = static_cast<float>(sound.real());
-      lanes.im[first + j * lanes_together] = static_cast<float>(sound.imag());
+      re[first + j * lanes_together] = static_cast<float>(loud[from + j] * cosine[from + j]);
+      im[first + j * lanes_together] = static_cast<float>(loud[from + j] * sine[from + j]);
     }
   }
-}
-
-void take_lanes(std::span<const Complex> drive, LaneDrives& lanes) {
-  const std::size_t size = (drive.size() + lanes_together - 1) / lanes_together * lanes_together;
-  lanes.re.assign(size, 0);
-  lanes.im.assign(size, 0);
-  for (std::size_t n = 0; n < drive.size(); ++n) {
-    lanes.re[n] = static_cast<float>(drive[n].real());
-    lanes.im[n] = static_cast<float>(drive[n].imag());
-  }
-}
-
-void give_back(const LaneDrives& lanes, std::span<Complex> drive) {
-  for (std::size_t n = 0; n < drive.size(); ++n) {
-    const double re = static_cast<double>(lanes.re[n]), im = static_cast<double>(lanes.im[n]);
-    const double size = std::sqrt(re * re + im * im);
-    if (size > 0) drive[n] = Complex(re, im) * (std::abs(drive[n]) / size);
+  for (std::size_t i = lanes.transducers; i < lanes.blocks * lanes_together; ++i) {
+    const std::size_t first = i / lanes_together * foci * lanes_together + i % lanes_together;
+    for (std::size_t j = 0; j < foci; ++j)
+      re[first + j * lanes_together] = im[first + j * lanes_together] = 0;
   }
 }
 

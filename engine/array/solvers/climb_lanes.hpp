@@ -15,7 +15,7 @@ inline constexpr std::size_t lanes_together = 8;
 
 /// G, entry [(block * foci + focus) * lanes_together + lane]. Lanes without a transducer have no sound.
 struct LaneColumns {
-  std::size_t foci = 0, blocks = 0;
+  std::size_t foci = 0, transducers = 0, blocks = 0;
   std::vector<float> re, im;
 };
 /// x of all transducers.
@@ -23,11 +23,9 @@ struct LaneDrives {
   std::vector<float> re, im;
 };
 
-/// These replace their results, keeping the storage.
-void take_lanes(const Columns& columns, LaneColumns& lanes);
-void take_lanes(std::span<const std::complex<double>> drive, LaneDrives& lanes);
-/// Only the phases: magnitudes stay those of `drive`.
-void give_back(const LaneDrives& lanes, std::span<std::complex<double>> drive);
+/// Replaces `lanes`, keeping the storage: up to `count` transducers that are spread over the array, or all in their
+/// order.
+void take_lanes(const Columns& columns, std::size_t count, LaneColumns& lanes);
 
 /// p = G x.
 void hear_lanes(const LaneColumns& columns, const LaneDrives& drive, std::span<std::complex<double>> pressure);

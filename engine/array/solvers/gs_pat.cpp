@@ -41,7 +41,7 @@ void solve_many(const FocusMatrix& matrix, const Columns& columns, std::span<con
       scratch.factors[j] *= gains[j];
     gs_pat_climb_to(matrix, scratch.targets, {level, 0}, gs_pat_steps, scratch.factors, scratch.pressure);
   }
-  if (constraint != Constraint::normalise && !scratch.effort) {
+  if (constraint != Constraint::normalise) {
     double sum = 0;
     for (const double gain : gains)
       sum += gain;
@@ -143,54 +143,22 @@ bool some_hear(const FocusMatrix& matrix, double least) {
   return false;
 }
 
-bool are_near(const Columns& part, FocusMatrix& scratch) {
-  multiply(part, scratch);
-  return some_hear(scratch, gs_pat_near);
-}
-
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
-            Care care, std::span<FocusWeight> weights, GsPatScratch& scratch) {
+            std::span<FocusWeight> weights, GsPatScratch& scratch) {
   const std::size_t foci = columns.foci;
   assert(weights.size() == foci && gains.size() == foci && foci <= most_solved_foci);
   for (std::vector<Complex>* values : {&scratch.pressure, &scratch.factors, &scratch.start})
     values->resize(foci);
   scratch.targets.resize(foci);
   find_claims(matrix, scratch.claims);
-  scratch.effort = effort_for(care, constraint, foci, [&] {
-    take_part(columns, gs_pat_ears, scratch.search.part);
-    return are_near(scratch.search.part, scratch.near);
-  });
-  if (scratch.effort && care == Care::usual) {
-    gs_pat_start(matrix, columns, 0, scratch.claims, scratch.factors);
-  } else {
-    const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
-    solve(matrix, columns, gains, constraint, weights, scratch);
-    if (!scratch.effort) return;
-    for (std::size_t j = 0; j < foci; ++j)
-      scratch.factors[j] = weights[j].plain;
-  }
-  search_phases(matrix, columns, scratch.claims, *scratch.effort, scratch.factors, scratch.search);
-  for (std::size_t j = 0; j < foci; ++j)
-    weights[j].plain = scratch.factors[j];
-  find_targets(matrix, gains, scratch);
-  scratch.shares.resize(foci);
-  for (std::size_t j = 0; j < foci; ++j) {
-    scratch.factors[j] *= gains[j];
-    scratch.shares[j] = magnitude(scratch.factors[j]) * scratch.targets[j];
-  }
-  if (constraint == Constraint::clamp) fill_up(matrix, gains, scratch);
-  for (std::size_t j = 0; j < foci; ++j)
-    weights[j].heard = scratch.factors[j];
+  const auto solve = foci <= gs_pat_few ? solve_few : solve_many;
+  solve(matrix, columns, gains, constraint, weights, scratch);
 }
 
 void gs_pat_turn(const Columns& columns, Constraint constraint, std::span<Complex> sums, GsPatScratch& scratch) {
-  if (constraint == Constraint::normalise || (columns.foci > gs_pat_few && !scratch.effort)) return;
+  if (constraint == Constraint::normalise || columns.foci > gs_pat_few) return;
   for (Complex& sum : sums)
     sum = bounded(sum, constraint);
-  if (scratch.effort) {
-    climb(columns, scratch.targets, scratch.effort->finish, scratch.shares, sums, scratch.climb);
-    return;
-  }
   even_phases(columns, scratch.targets, gs_pat_miss, gs_pat_most_tries(columns.transducers), sums, scratch.phases);
 }
 

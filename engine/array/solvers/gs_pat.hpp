@@ -30,7 +30,6 @@
 #include "array/field/transfer.hpp"
 #include "array/solvers/even_out.hpp"
 #include "array/solvers/even_phases.hpp"
-#include "array/solvers/search.hpp"
 
 namespace palpa::array {
 
@@ -45,9 +44,7 @@ inline constexpr std::size_t gs_pat_few = 10;         ///< up to this many foci 
 inline constexpr double gs_pat_crowded = 0.5;  ///< from here on, the array does not resolve the two foci
 inline constexpr double gs_pat_same = 0.9;     ///< from here on, their targets become one: the largest
 inline constexpr double gs_pat_hears = 0.2;    ///< from here on, several starts are tried
-inline constexpr double gs_pat_near = 0.05;    ///< from here on, the loudest phases are sought
 
-inline constexpr std::size_t gs_pat_ears = 128;           ///< transducers that judge gs_pat_near
 inline constexpr std::uint32_t gs_pat_starts = 8;         ///< if foci hear each other
 inline constexpr std::uint32_t gs_pat_sounds = 4;         ///< transducers of each start except the first
 inline constexpr std::uint32_t gs_pat_climb = 20;         ///< steps of each start
@@ -69,28 +66,7 @@ struct GsPatScratch {
   std::vector<double> claims, targets;
   EvenScratch even;
   PhaseScratch phases;
-  SearchScratch search;
-  ClimbScratch climb;
-  std::vector<double> shares;
-  FocusMatrix near;
-  const SearchEffort* effort = nullptr;  ///< of the search for the slot's factors (search.hpp); null: no search
 };
-
-/// How much is done for loudness: `most` is the solver `loudest`.
-enum class Care { usual, most };
-
-/// Whether some foci hear gs_pat_near of each other. `part` has the columns of gs_pat_ears transducers (take_part).
-bool are_near(const Columns& part, FocusMatrix& scratch);
-
-/// The search for the phases of a slot of this many foci; null: no search. `near()` tells whether foci are near each
-/// other (are_near).
-template <typename Near>
-const SearchEffort* effort_for(Care care, Constraint constraint, std::size_t foci, Near near) {
-  if (constraint == Constraint::normalise || foci < 2 || foci > most_searched_foci) return nullptr;
-  if (care == Care::most) return &loudest_search;
-  if (!near()) return nullptr;
-  return foci <= gs_pat_few ? &default_search : &many_search;
-}
 
 /// The share of the sound of focus `k` that is heard at focus `j`, 0 .. 1; 0 if one of them cannot be reached.
 double heard_part(const FocusMatrix& matrix, std::size_t j, std::size_t k);
@@ -101,7 +77,7 @@ bool some_hear(const FocusMatrix& matrix, double least);
 /// relative to the largest, 0..1, one per focus. At most most_solved_foci foci. The initial phases depend only on
 /// distances, so moving array and foci together or reordering the foci changes only rounding.
 void gs_pat(const FocusMatrix& matrix, const Columns& columns, std::span<const double> gains, Constraint constraint,
-            Care care, std::span<FocusWeight> weights, GsPatScratch& scratch);
+            std::span<FocusWeight> weights, GsPatScratch& scratch);
 
 /// Under `uniform` and `clamp`, for the slot for which `scratch` was last used in gs_pat: bounds the sums of the
 /// transducers, B c of the heard factors, and changes their phases until the foci are even, or the weakest is as loud

@@ -92,15 +92,15 @@ array::Drive load_drive(const std::filesystem::path& file, const array::Layout& 
                                           number, layout.name, rows, fault));
       }
     }
-    if (row[7] < 0 || row[7] > 1)
-      throw bad_input(name, fmt::format("line {}: amplitude {} is not within 0..1", number, row[7]));
+    const std::optional<float> amplitude = as_given_amplitude(row[7]);
+    if (!amplitude) throw bad_input(name, fmt::format("line {}: amplitude {} is not within 0..1", number, row[7]));
     if (std::abs(row[8]) > most_phase_rad) {
       throw bad_input(name,
                       fmt::format("line {}: phase {} is more than a million turns; phases are in radians, such as "
                                   "-1.57",
                                   number, row[8]));
     }
-    drive.push_back({static_cast<float>(row[7]), static_cast<float>(row[8])});
+    drive.push_back({*amplitude, static_cast<float>(row[8])});
     ++rows;
   }
   if (rows != transducers) {

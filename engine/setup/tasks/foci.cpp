@@ -75,7 +75,7 @@ void check_drive(const array::Layout& layout, std::span<const array::TransducerD
   if (drive.empty()) throw bad_usage(fmt::format("the layout {} has no transducers", layout.name));
   for (std::size_t i = 0; i < drive.size(); ++i) {
     const auto [amplitude, phase] = drive[i];
-    if (!(amplitude >= 0 && amplitude <= 1))
+    if (!as_given_amplitude(double{amplitude}))
       throw bad_usage(fmt::format("the drive's amplitude {} of transducer {} is not within 0..1", amplitude, i));
     if (!(std::abs(phase) <= most_phase_rad))
       throw bad_usage(fmt::format("the drive's phase {} of transducer {} is more than a million turns", phase, i));

@@ -42,8 +42,8 @@ void check_focus(const array::Layout& layout, const array::SlotFocus& focus, con
 
 /// Throws bad_usage unless the pressure requested at each focus is above 0 and at most array::most_pressure_pa.
 void check_pressure(std::optional<double> pressure_pa);
-/// Throws bad_usage unless the drive has an amplitude from 0 to 1 and a phase of at most a million turns for each
-/// transducer of the layout, which has at least one.
+/// Throws bad_usage unless the drive has an amplitude from 0 to 1 (as_given_amplitude) and a phase of at most a million
+/// turns for each transducer of the layout, which has at least one.
 void check_drive(const array::Layout& layout, std::span<const array::TransducerDrive> drive);
 
 /// Factors for the foci of slot 0, with which the voices get their requested pressures; empty if none are requested.
