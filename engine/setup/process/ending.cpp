@@ -2,8 +2,10 @@
 
 #include <atomic>
 #include <semaphore>
+#include <string>
 
 #include "base/log.hpp"
+#include "session/links/board_sound.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -27,8 +29,17 @@ bool decide_ending(Exit code) {
 }
 
 void tell_ending(std::string_view line) {
-  log::error(line);
+  log::error(session::with_board_sounds(line));
   told.release();
+}
+
+void decide_good_ending() {
+  const std::string boards = session::boards_that_may_sound();
+  if (boards.empty()) {
+    decide_ending(Exit::ok);
+  } else if (decide_ending(Exit::failed)) {
+    tell_ending("ended, but " + boards);
+  }
 }
 
 void wait_for_line(std::chrono::milliseconds most) {
