@@ -16,8 +16,8 @@ enum class BoardSound : std::uint8_t {
   gone      ///< the same, and it takes nothing
 };
 
-/// Of the board that the link `name` (`openmpd:SERIAL`) plays to. That link writes it, first when the board is open. It
-/// exists until the process ends.
+/// What is known of the board behind the link `name` (`openmpd:SERIAL`). The link writes it, first when the board is
+/// open. It exists until the process ends.
 std::atomic<BoardSound>& board_sound(const std::string& name);
 
 /// "the array (openmpd:SERIAL) is silent", or what else is known, and what to do.

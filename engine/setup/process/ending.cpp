@@ -1,6 +1,9 @@
 #include "setup/process/ending.hpp"
 
+#include <fmt/core.h>
+
 #include <atomic>
+#include <cstring>
 #include <semaphore>
 #include <string>
 
@@ -13,11 +16,14 @@ namespace {
 constexpr int undecided = -1;
 std::atomic<int> decided{undecided};
 std::binary_semaphore told{0};
+std::atomic<int> cut_short_by{0};
+static_assert(std::atomic<int>::is_always_lock_free);
 
 }  // namespace
 
 void begin_ending() {
   decided = undecided;
+  cut_short_by = 0;
   told.try_acquire();
 }
 
@@ -33,12 +39,19 @@ void tell_ending(std::string_view line) {
   told.release();
 }
 
+void note_cut_short(int by_signal) {
+  cut_short_by = by_signal;
+}
+
 void decide_good_ending() {
+  const int signal = cut_short_by;
   const std::string boards = session::boards_that_may_sound();
-  if (boards.empty()) {
+  if (signal == 0 && boards.empty()) {
     decide_ending(Exit::ok);
   } else if (decide_ending(Exit::failed)) {
-    tell_ending("ended, but " + boards);
+    const char* const name = sigdescr_np(signal);
+    tell_ending(signal == 0 ? "ended, but " + boards
+                            : fmt::format("cut short by signal {} ({})", signal, name != nullptr ? name : "real-time"));
   }
 }
 

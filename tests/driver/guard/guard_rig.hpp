@@ -104,7 +104,7 @@ struct GuardRig {
     EXPECT_EQ(count("torn"), 0u);
     EXPECT_EQ(count("allocated"), 0u);
   }
-  /// What is said of the board after that.
+  /// What an end says of the board after that.
   std::string is_silent() const { return "the array (trace:" + file.string() + ") is silent"; }
   void end_silent() {
     link->finish();
