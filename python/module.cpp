@@ -22,6 +22,7 @@
 #include "base/words.hpp"
 #include "driver/guard/process.hpp"
 #include "running.hpp"
+#include "session/links/board_sound.hpp"
 #include "setup/files/assets.hpp"
 
 namespace palpa::python {
@@ -77,7 +78,10 @@ PyObject* class_of(Exit code) {
 }  // namespace
 
 void raise(const Error& error) {
-  const std::string message = error.what();
+  std::string message = error.what();
+  // Another fault may have come first, and then this one's error is not said.
+  const std::string boards = session::boards_that_may_sound();
+  if (message.find(boards) == std::string::npos) message += "; " + boards;
   const py::object value = py::reinterpret_steal<py::object>(
       PyObject_CallFunctionObjArgs(class_of(error.code()), shown_text(message).ptr(), nullptr));
   if (!value) return;  // Python has set an error of its own

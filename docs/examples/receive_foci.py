@@ -71,7 +71,11 @@ def show(text):
 def main():
     """Plays until lines stop coming or a signal arrives. At the end, reports how many datagrams were not lines of foci."""
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    receiver.bind(("127.0.0.1", int(sys.argv[1]) if len(sys.argv) > 1 else 9000))
+    port = sys.argv[1] if len(sys.argv) > 1 else "9000"
+    try:
+        receiver.bind(("127.0.0.1", int(port)))
+    except (ValueError, OverflowError, OSError) as fault:
+        sys.exit(f"{sys.argv[0]}: port {port:.20}: {fault}")
     receiver.setblocking(False)
     linger_ns = round(float(sys.argv[2] if len(sys.argv) > 2 else 60) * 1e9)
     show("listening")

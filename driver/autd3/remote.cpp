@@ -15,6 +15,7 @@
 
 #include "base/error.hpp"
 #include "base/system/descriptor.hpp"
+#include "base/system/udp.hpp"
 
 namespace palpa::driver::autd3 {
 namespace {
@@ -46,16 +47,13 @@ std::vector<std::uint8_t> geometry_request(const array::Layout& layout) {
 }  // namespace
 
 Address resolve(const std::string& text) {
-  const std::size_t colon = text.rfind(':');
-  const bool plausible = colon != std::string::npos && colon > 0 && colon + 1 < text.size();
-  if (!plausible) throw bad_usage("link autd3 takes HOST:PORT, such as autd3:127.0.0.1:8080, not '" + text + "'");
-  std::string host = text.substr(0, colon);
-  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  const auto [host, port, loopback] =
+      parse_address(text, "link autd3 takes HOST:PORT, such as autd3:127.0.0.1:8080, not '" + text + "'");
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
   wanted.ai_flags = AI_NUMERICSERV;
   addrinfo* found = nullptr;
-  const int fault = getaddrinfo(host.c_str(), text.c_str() + colon + 1, &wanted, &found);
+  const int fault = getaddrinfo(host.c_str(), port.c_str(), &wanted, &found);
   if (fault != 0) throw failure(fmt::format("link autd3: {}: {}", text, gai_strerror(fault)));
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
   Address address;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -16,12 +17,15 @@
 #include "driver/guard/guard.hpp"
 #include "driver/guard/patience.hpp"
 #include "driver/guard/process.hpp"
+#include "session/links/board_sound.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/real_time_service.hpp"
 #include "session/links/slots.hpp"
 
 namespace palpa::driver {
 namespace {
+
+using session::BoardSound;
 
 constexpr double open_s = 10;       // a board that was left in an unknown state takes seconds to come back
 constexpr double slow_open_s = 40;  // if the guard has said that it waits for a bus
@@ -37,6 +41,7 @@ class BoardLink final : public session::Link {
         free_field_(free_field),
         guard_(std::in_place, program_, brief_, plays_plans ? session::most_cycle : 0) {
     wait_until_open();
+    is(BoardSound::silent);
     // The guard has no library for this. With it, it goes before the thread that feeds it.
     const RealTimeService service = session::real_time_service();
     if (service && scheduling_of(guard_->id()) != Scheduling::real_time && has_time_for_real_time(guard_->id()))
@@ -45,6 +50,7 @@ class BoardLink final : public session::Link {
 
   void plan(const session::PlayedPlan& plan) override {
     if (!guard_) return;
+    is(BoardSound::unknown);
     TimedSlots timed{plan.slots, monotonic_s(), plan.schedule.slot_s};
     until_s_ = timed.until_s();
     if (!plays_plans_) return;
@@ -72,6 +78,7 @@ class BoardLink final : public session::Link {
   void finish() override {
     if (!guard_) return;
     const Scheduling scheduling = scheduling_of(guard_->id());
+    told();
     guard_->hang_up();
     guard_->wake();
     const double until_s = monotonic_s() + exit_s;
@@ -81,10 +88,11 @@ class BoardLink final : public session::Link {
     carried_ = guard_->memory().tally().read();
     carried_.guard_scheduling = scheduling;
     if (ended && last_word_ == MessageKind::opened) end_without_guard();
+    told();
     guard_.reset();
-    if (!ended) throw failure(brief_.kind + ": after 1 s, palpa-guard is still trying to silence the board" + advice);
-    if (last_word_ == MessageKind::unsure)
-      throw failure(brief_.kind + ": it is not known whether the last silence reached the board" + advice);
+    if (!ended) fail("after 1 s, palpa-guard is still trying to silence the board");
+    if (last_word_ == MessageKind::unsure) fail("palpa-guard could not make sure that the last silence arrives");
+    is(BoardSound::silent);
   }
 
   std::optional<session::Carried> carried() const override {
@@ -97,6 +105,7 @@ class BoardLink final : public session::Link {
  private:
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool is_in_pattern) {
     if (!guard_) return;
+    is(BoardSound::unknown);
     const auto place = guard_->memory().drive(drive_place_);
     if (drive.size() != place.drives.size())
       throw failure(fmt::format("{}: a drive has {} transducers; the layout has {}", brief_.kind, drive.size(),
@@ -117,7 +126,15 @@ class BoardLink final : public session::Link {
     return true;
   }
 
-  static constexpr const char* advice = "; make sure that the board is silent, or switch it off";
+  void is(BoardSound sound) {
+    if (sound_ == nullptr) sound_ = &session::board_sound(name_);
+    *sound_ = sound;
+  }
+  /// It was told to be silent, and has not answered yet.
+  void told() { is(guard_->memory().tally().read().out_of_reach ? BoardSound::gone : BoardSound::told); }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw failure(fmt::format("{}: {}; {}", brief_.kind, what, session::to_text(name_, *sound_)));
+  }
 
   void wait_until_open() {
     const double began_s = monotonic_s();
@@ -172,11 +189,13 @@ class BoardLink final : public session::Link {
     const GuardProcess::Exit exit = guard_->wait_for_exit(exit_s);
     carried_ = guard_->memory().tally().read();
     guard_.reset();
-    if (last_word_ == MessageKind::asked_to_leave)
-      throw failure(brief_.kind + ": palpa-guard was asked to end (SIGTERM); it has silenced the board");
-    const std::string what = brief_.kind + ": " + how_it_ended(exit);
-    if (silence_once_more()) throw failure(what + "; a second palpa-guard has silenced the board");
-    throw failure(what + ", and a second one could not silence the board: switch it off");
+    if (last_word_ == MessageKind::asked_to_leave) {
+      is(BoardSound::silent);
+      fail("palpa-guard was asked to end (SIGTERM)");
+    }
+    const std::string what = how_it_ended(exit);
+    is(silence_once_more() ? BoardSound::silent : BoardSound::unknown);
+    fail(what + (*sound_ == BoardSound::silent ? ", and a second one was started" : ", and a second one failed"));
   }
 
   bool silence_once_more() {
@@ -196,6 +215,8 @@ class BoardLink final : public session::Link {
   }
 
   Brief brief_;
+  std::string name_ = brief_.kind + ":" + brief_.board.argument;
+  std::atomic<BoardSound>* sound_ = nullptr;  ///< set as soon as something is known
   std::string program_;
   bool plays_plans_, free_field_;
   std::optional<GuardProcess> guard_;

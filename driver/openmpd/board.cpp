@@ -357,8 +357,8 @@ void OpenMpdBoard::tell() {
     troubled_s_ = clock_.now_s();
     for (const auto& wire : wires_) {
       if (!wire->in_step()) {
-        note(notes_, &BoardNotes::warning, "board {}: {}; {} until it is in step again", wire->address().text(),
-             wire->trouble(), wires_.size() > 1 ? "all boards are silent" : "silent");
+        note(notes_, &BoardNotes::warning, "board {}: {}; it may still sound until it is in step again{}",
+             wire->address().text(), wire->trouble(), wires_.size() > 1 ? ", and the others are silent" : "");
       }
     }
     // The others are silenced in the same way, so that all have had the same number of frames as the lost one when they

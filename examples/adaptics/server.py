@@ -11,8 +11,10 @@ of this machine, and those of --allow-origin. A client that names no origin is n
 """
 import argparse
 import asyncio
+import contextlib
 import http
 import json
+import logging
 import math
 import signal
 import sys
@@ -27,6 +29,8 @@ PORT = 8037
 DESIGNER = "https://adaptivehaptics.github.io"
 THIS_MACHINE = ("localhost", "127.0.0.1", "::1")
 MOST_CLIENTS = 16
+HANDSHAKE_S, MOST_HANDSHAKES = 3, 32  # what has not become a client by then, or is the oldest of more, is dropped
+ENDING = (signal.SIGINT, signal.SIGTERM)
 MOST_BYTES = 4 << 20            # of a message; a large pattern has 0.2 MB
 PING_S, PATIENCE_S = 2.5, 2.5   # a client that has frozen is gone after both
 UPDATE_S, UPDATE_POINTS = 0.018, 32
@@ -57,9 +61,22 @@ def may_connect(origin, allowed=()):
 
 def finite(value, what):
     """A number of a message; ValueError for anything else."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError(f"{what} is no finite number")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number of hundreds of digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{what} is no finite number")
+    return number
+
+
+def port_number(text):
+    """A port of --port; 0 is a free one."""
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"a port is from 0 to 65535, not {text:.20}")
+    return int(text)
 
 
 class Player:
@@ -176,6 +193,7 @@ class Server:
     def __init__(self, player, allowed):
         self.player, self.allowed = player, allowed
         self.clients = set()
+        self.handshakes = []
         self.told = set()
 
     def tell(self, what):
@@ -184,6 +202,26 @@ class Server:
         if kind not in self.told and len(self.told) < 100:
             self.told.add(kind)
             print(f"ignored: {what}", file=sys.stderr, flush=True)
+
+    def connections(self):
+        """The argument of serve() that limits connections which are no clients yet, by the old and by the new form of
+        websockets."""
+        old = "legacy" in websockets.serve.__module__
+        handshakes = self.handshakes
+
+        def drop(connection):
+            if connection.state == 0:
+                connection.transport.abort()
+
+        class Connection(websockets.WebSocketServerProtocol if old else websockets.ServerConnection):
+            def connection_made(self, transport):
+                super().connection_made(transport)
+                handshakes[:] = [one for one in handshakes if one.state == 0 and not one.transport.is_closing()]
+                handshakes.append(self)
+                if len(handshakes) > MOST_HANDSHAKES:
+                    drop(handshakes.pop(0))
+                asyncio.get_running_loop().call_later(HANDSHAKE_S, drop, self)
+        return {"create_protocol" if old else "create_connection": Connection}
 
     def check(self, *request):
         """Called with the request for a connection, by the old and by the new form of websockets."""
@@ -232,9 +270,14 @@ class Server:
 
 async def run(player, arguments):
     server = Server(player, arguments.allow_origin)
-    end = asyncio.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(number, end.set)
+    end, loop = asyncio.Event(), asyncio.get_running_loop()
+
+    def wait_for_signal():
+        signal.sigwait(ENDING)
+        player.sensation.stop()  # silence does not wait for this program's loop
+        with contextlib.suppress(RuntimeError):  # which may be over
+            loop.call_soon_threadsafe(end.set)
+    threading.Thread(target=wait_for_signal, daemon=True).start()
     player.thread.start()
     try:
         while player.thread.is_alive() and not player.sensation.open and not end.is_set():
@@ -242,7 +285,8 @@ async def run(player, arguments):
         if not player.sensation.open:
             return
         async with websockets.serve(server.serve, "127.0.0.1", arguments.port, process_request=server.check,
-                                    max_size=MOST_BYTES, ping_interval=PING_S, ping_timeout=PATIENCE_S, close_timeout=1) as listening:
+                                    **server.connections(), backlog=MOST_CLIENTS, max_size=MOST_BYTES,
+                                    ping_interval=PING_S, ping_timeout=PATIENCE_S, close_timeout=1) as listening:
             port = next(iter(listening.sockets)).getsockname()[1]
             print(f"listening on ws://127.0.0.1:{port}/", flush=True)
             updates = asyncio.create_task(server.send_updates())
@@ -264,8 +308,9 @@ def warn(message, *_where):
 
 def main():
     warnings.showwarning = warn
+    logging.getLogger("websockets").setLevel(logging.CRITICAL)  # a client may cause any number of its lines
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--port", type=int, default=PORT, help="port on 127.0.0.1 [8037, as the Designer has it]")
+    parser.add_argument("--port", type=port_number, default=PORT, help="port on 127.0.0.1 [8037, as the Designer has it]")
     parser.add_argument("--allow-origin", action="append", default=[], metavar="ORIGIN",
                         help="a further page that may connect, such as http://example.org; null is any sandboxed page")
     for name in ("link", "layout", "rig", "board-files", "steps", "ceiling", "ramp", "hold", "dwell", "at", "on", "source", "scene", "osc"):
@@ -274,10 +319,11 @@ def main():
     arguments = parser.parse_args()
     options = {name: value for name, value in vars(arguments).items()
                if name not in ("port", "allow_origin") and value not in (None, False)}
+    signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)  # for all threads that follow; one waits for them
     player = Player(options)
     try:
         asyncio.run(run(player, arguments))
-    except (OSError, OverflowError) as fault:
+    except OSError as fault:
         sys.exit(f"{sys.argv[0]}: --port {arguments.port}: {fault}")
     if player.fault:
         sys.exit(f"{sys.argv[0]}: {player.fault}")

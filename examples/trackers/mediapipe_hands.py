@@ -99,7 +99,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("model")
     parser.add_argument("fx", type=float)
-    parser.add_argument("port", type=int, nargs="?", default=9000)
+    parser.add_argument("port", type=palpa_lines.port, nargs="?", default=9000)
     line = parser.parse_args()
     try:
         main(line.model, line.fx, line.port)

@@ -104,7 +104,7 @@ def main(port):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("port", type=int, nargs="?", default=9000)
+    parser.add_argument("port", type=palpa_lines.port, nargs="?", default=9000)
     try:
         main(parser.parse_args().port)
     except KeyboardInterrupt:

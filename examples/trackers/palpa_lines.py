@@ -1,4 +1,5 @@
 """The lines that palpa takes with --source joints:udp:PORT (docs/trackers.md), one for each frame of a tracker."""
+import argparse
 import json
 import socket
 
@@ -14,6 +15,13 @@ def hand(side, joints, radii):
 def line(t_s, hands):
     """A frame that was captured at that time. Without a hand, palpa is silent at once."""
     return json.dumps({"t_s": t_s, "hands": hands}, separators=(",", ":"))
+
+
+def port(text):
+    """A port of a command line."""
+    if not text.isdecimal() or not 1 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError(f"a port is from 1 to 65535, not {text:.20}")
+    return int(text)
 
 
 class Sender:

@@ -12,6 +12,7 @@ BEGIN {
   interface["session/links/slots.hpp"] = 1      # the slots that a plan plays, up to the boards
   interface["session/links/real_time_service.hpp"] = 1  # a guard has no library for it
   interface["session/links/hand_over.hpp"] = 1  # a link's messages about what it was given
+  interface["session/links/board_sound.hpp"] = 1  # what it knows of its board's sound
   interface["sensing/depth_source.hpp"] = interface["sensing/camera.hpp"] = interface["sensing/rig.hpp"] = 1
   interface["sensing/grey_png.hpp"] = 1       # the images of a recording
   interface["cli/doctor.hpp"] = 1             # its section of palpa doctor

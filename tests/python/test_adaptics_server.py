@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import re
+import resource
 import signal
 import socket
 import struct
@@ -107,10 +108,10 @@ PATIENCE_S = 60  # a test's client answers pings only while it reads, and does o
 
 
 @contextlib.contextmanager
-def serve(*options, patience_s=PATIENCE_S, **more):
-    """Its port and its process. Clients that freeze are dropped that soon."""
-    code = (f"import sys; sys.path.insert(0, {str(ROOT / 'examples/adaptics')!r}); import server; "
-            f"server.PING_S = server.PATIENCE_S = {patience_s}; server.main()")
+def serve(*options, patience_s=PATIENCE_S, before="", **more):
+    """Its port and its process. Clients that freeze are dropped that soon. `before`: what else is done before its main()."""
+    code = (f"import sys; sys.path.insert(0, {str(ROOT / 'examples/adaptics')!r}); import server\n"
+            f"server.PING_S = server.PATIENCE_S = {patience_s}\n{before}\nserver.main()")
     with subprocess.Popen([sys.executable, "-c", code, "--port", "0", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           **more) as process:
         try:
@@ -292,6 +293,51 @@ def test_a_client_that_freezes_is_dropped(served):
     wait_for_sound(heard, False)  # the last client that answers pings is gone; it has read nothing since
 
 
+def test_half_finished_handshakes_keep_nobody_out():
+    few_files = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (128, 128))  # noqa: E731
+    with serve("--layout", "openmpd", preexec_fn=few_files) as (port, process):
+        halves = []
+        for _ in range(200):
+            halves.append(socket.create_connection(("127.0.0.1", port), timeout=60))
+            halves[-1].sendall(b"GET / HTTP/1.1\r\n")
+        assert Client(port, origin=adaptics.DESIGNER).status == 101
+        for half in halves:  # the last ones after a while
+            with contextlib.suppress(ConnectionError):
+                while half.recv(1 << 16):
+                    pass
+        assert process.poll() is None
+
+
+def test_a_signal_does_not_wait_for_its_loop():
+    stuck = """
+async def send_updates(self):
+    while not self.player.sensation.playing:
+        await server.asyncio.sleep(0.02)
+    import time
+    time.sleep(600)
+server.Server.send_updates = send_updates
+"""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as heard:
+        heard.bind(("127.0.0.1", 0))
+        with serve("--layout", "openmpd", "--link", f"foci:udp:127.0.0.1:{heard.getsockname()[1]}", before=stuck) as (port, process):
+            try:
+                client = Client(port)
+                client.connect_as_the_designer()
+                client.play()
+                wait_for_sound(heard, True)
+                process.send_signal(signal.SIGINT)
+                wait_for_sound(heard, False)
+            finally:
+                process.kill()
+
+
+def test_a_port_that_is_none_is_told():
+    for port in ("99999", "-1", "x"):
+        done = subprocess.run([sys.executable, ROOT / "examples/adaptics/server.py", "--port=" + port], capture_output=True, text=True,
+                              timeout=120, check=False)
+        assert done.returncode == 2 and "a port is from 0 to 65535" in done.stderr
+
+
 def test_pages_of_others_are_refused(served):
     port, _, _ = served
     for origin in ("null", "https://evil.example", "https://adaptivehaptics.github.io.evil.example",
@@ -316,6 +362,9 @@ def test_no_message_does_harm(served):
                  b'{"cmd":"update_playstart","data":{"playstart":1,"playstart_offset":NaN}}',
                  b'{"cmd":"update_playstart","data":{"playstart":1,"playstart_offset":1e300}}',
                  b'{"cmd":"user_parameter","data":{"name":"radius","value":Infinity}}',
+                 b'{"cmd":"user_parameter","data":{"name":"radius","value":1' + b"0" * 400 + b"}}",
+                 b'{"cmd":"update_playstart","data":{"playstart":1,"playstart_offset":-1' + b"0" * 400 + b"}}",
+                 b'{"cmd":"user_parameter","data":{"name":"radius","value":1' + b"0" * 5000 + b"}}",
                  b'{"cmd":"geo_transform_matrix","data":{"transform":[[1]]}}', b'{"cmd":"user_parameters","data":{"user_parameters":3}}'):
         client.frame(text)
     client.frame(b"\x00\x01", kind=2)

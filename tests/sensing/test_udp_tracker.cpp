@@ -197,13 +197,13 @@ TEST(UdpTracker, ListensOnBothAddressesOfTheLoopback) {
   } catch (const Error&) {
     GTEST_SKIP() << "skipped: no IPv6";
   }
-  ASSERT_TRUE(six->send(frame_at(1)));
+  ASSERT_EQ(six->send(frame_at(1)), UdpSender::Sent::yes);
   ASSERT_TRUE(heard.next());
   EXPECT_EQ(heard.frame.time_s, 1);
   heard.sender.send(frame_at(1.01));
   ASSERT_TRUE(heard.next());
   EXPECT_EQ(heard.frame.time_s, 1.01);
-  ASSERT_TRUE(six->send(frame_at(1.02)));
+  ASSERT_EQ(six->send(frame_at(1.02)), UdpSender::Sent::yes);
   ASSERT_TRUE(heard.next());
   EXPECT_EQ(heard.frame.time_s, 1.02);
 
@@ -211,6 +211,23 @@ TEST(UdpTracker, ListensOnBothAddressesOfTheLoopback) {
   const std::uint16_t port = test::free_udp_port();
   const auto own = open_tracker("udp:127.0.0.1:" + std::to_string(port), true);
   EXPECT_NO_THROW(open_tracker("udp:[::1]:" + std::to_string(port), true));
+}
+
+/// A name listens on all its addresses, whichever a sender takes.
+TEST(UdpTracker, ListensOnAllAddressesOfAName) {
+  const std::string port = std::to_string(test::free_udp_port());
+  const auto tracker = open_tracker("udp:localhost:" + port, true);
+  for (const char* host : {"127.0.0.1:", "[::1]:", "localhost:"}) {
+    std::optional<UdpSender> sender;
+    try {
+      sender.emplace(host + port, "test", "");
+    } catch (const Error&) {
+      continue;  // no IPv6
+    }
+    const bool is_of_the_name = sender->send(frame_at(1)) == UdpSender::Sent::yes;
+    EXPECT_TRUE(is_of_the_name || host == std::string("[::1]:")) << host;
+  }
+  EXPECT_ERROR(open_tracker("udp:localhost:" + port, true), Exit::failed, "cannot listen on localhost:");
 }
 
 TEST(UdpTracker, ListensOnTheLoopbackUnlessItIsToldOtherwise) {

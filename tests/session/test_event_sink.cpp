@@ -200,6 +200,8 @@ TEST(EventSink, SendsADatagramPerEvent) {
   receiver.reset();
   for (int n = 0; n < 5; ++n)
     EXPECT_NO_THROW(sink->write(events(1))) << "nobody listens any more";
+  EXPECT_EQ(sink->written(), 2u);
+  EXPECT_EQ(sink->dropped(), 5u);
   for (const char* form : {"udp:", "udp:host", "udp:host:0", "udp::9", "udp:host:99999", ""})
     EXPECT_EQ(test::thrown_by([&] { open_event_sink(form, names); }).code(), Exit::usage) << form;
 }

@@ -78,10 +78,36 @@ TEST(HandOver, OnlyAGuardWithoutRealTimeSchedulingIsAdvisedToGetIt) {
   for (const Scheduling had : {Scheduling::normal, Scheduling::real_time}) {
     late.behind->guard_scheduling = had;
     HandOverWatch watch;
-    const std::string said = test::stderr_of([&] { watch.look(late); });
+    const std::string said = test::stderr_of([&] { watch.end(late); });
     EXPECT_CONTAINS(said, "palpa-guard got no processor in time");
     EXPECT_EQ(said.find("real-time") == std::string::npos, had == Scheduling::real_time) << said;
   }
+}
+
+/// A longer --dwell helps no device that is not there.
+TEST(HandOver, DrivesThatADeadDeviceLostHaveTheirOwnRemedy) {
+  const auto said_of = [](const std::vector<HandOver>& seconds, bool at_the_end) {
+    HandOverWatch watch;
+    return test::stderr_of([&] {
+      for (const HandOver& one : seconds)
+        &one == &seconds.back() && at_the_end ? watch.end(one) : watch.look(one);
+    });
+  };
+  // It dies within the second second.
+  const std::vector<HandOver> dies{counts(600, 600), counts(1200, 900), counts(1800, 900)};
+  EXPECT_CONTAINS(said_of(dies, false), "900 of 1800 drives were lost between loop and device");
+  EXPECT_CONTAINS(said_of(dies, false), "see whether it is plugged in and switched on, and its server runs");
+  EXPECT_EQ(said_of(dies, false).find("--dwell"), std::string::npos);
+  // At the end, the link knows.
+  std::vector<HandOver> ends{counts(600, 600), counts(1200, 900)};
+  EXPECT_CONTAINS(said_of(ends, true), "--dwell");
+  ends.back().behind->out_of_reach = true;
+  EXPECT_EQ(said_of(ends, true).find("--dwell"), std::string::npos);
+  // One that is slow, and takes some all the time.
+  EXPECT_CONTAINS(said_of({counts(600, 300), counts(1200, 600), counts(1800, 900)}, true), "--dwell");
+  // Nobody listens, from the start.
+  const HandOver nobody{.loop = {.drives = 60}, .behind = Carried{}};
+  EXPECT_CONTAINS(said_of({nobody}, false), "nobody took any; see whether the receiver runs");
 }
 
 TEST(HandOver, AreInTheStatistics) {

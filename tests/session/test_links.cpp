@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
+#include <string>
 
 #include "base/error.hpp"
+#include "session/links/board_sound.hpp"
 #include "session/links/foci_link.hpp"
 #include "session/links/link.hpp"
 #include "session/links/record_link.hpp"
@@ -47,6 +50,26 @@ TEST(Slots, AreCountedFromTheFirstToTheLastThatMaySound) {
   EXPECT_EQ((Cycle{Plays::pattern, 10}).slots_to_look_at(), 10u);
   EXPECT_TRUE((Cycle{Plays::pattern, 10}).is_listed());
   EXPECT_FALSE((Cycle{Plays::slot_by_slot}).is_listed());
+}
+
+/// What the end of a program says of its boards.
+TEST(BoardSound, IsSaidOncePerBoardWithWhatToDo) {
+  EXPECT_EQ(to_text("board:1", BoardSound::silent), "the array (board:1) is silent");
+  for (const BoardSound sound : {BoardSound::unknown, BoardSound::told, BoardSound::gone})
+    EXPECT_CONTAINS(to_text("board:1", sound), ": it may still sound, switch it off");
+  EXPECT_EQ(with_board_sounds("a camera is gone"), "a camera is gone") << "no board was opened";
+  board_sound("board:1") = BoardSound::silent;
+  EXPECT_EQ(with_board_sounds("a camera is gone"), "a camera is gone; the array (board:1) is silent");
+  EXPECT_EQ(boards_that_may_sound(), "");
+  board_sound("board:2") = BoardSound::told;
+  const std::string told =
+      "the array (board:2) was told to be silent, but has not answered: it may still sound, switch it off";
+  EXPECT_EQ(boards_that_may_sound(), told);
+  EXPECT_EQ(with_board_sounds("board: " + told), "board: " + told + "; the array (board:1) is silent");
+  board_sound("board:2") = BoardSound::gone;
+  EXPECT_CONTAINS(with_board_sounds("the end"), "the array (board:2) is out of reach: it may still sound");
+  board_sound("board:2") = BoardSound::silent;  // opened again
+  EXPECT_EQ(boards_that_may_sound(), "");
 }
 
 TEST(Links, UnknownOnesAreRefusedWithTheKnownNames) {
@@ -269,8 +292,52 @@ TEST(FociLink, SilencesWhatItCannotSend) {
   EXPECT_CONTAINS(said, "3 of 5 lines could not be sent");
 }
 
+/// localhost is ::1 and 127.0.0.1, and the receiver listens on one of them.
+TEST(FociLink, FindsTheAddressOfANameThatListens) {
+  Setting s;
+  const test::UdpReceiver receiver;
+  const auto link = open_link("foci:udp:localhost:" + std::to_string(receiver.port()), builtin_links(), s.setting);
+  const std::string said = test::stderr_of([&] {
+    for (int frame = 0; frame < 3; ++frame) {
+      link->plan({.schedule = one_finger()});
+      EXPECT_FALSE(nlohmann::json::parse(receiver.next())["fingers"].empty());
+    }
+    link->finish();
+  });
+  EXPECT_EQ(said, "");
+  EXPECT_EQ(link->carried()->completed.plans, 3u);
+}
+
+/// Drives that nobody took were not played.
+TEST(FociLink, CountsAndSaysWhatNobodyTook) {
+  Setting s;
+  auto receiver = std::make_unique<test::UdpReceiver>();
+  const int port = receiver->port();
+  const auto link = open_link("foci:udp:localhost:" + std::to_string(port), builtin_links(), s.setting);
+  const array::Drive sounding(3, {1.0F, 0.0F});
+  const auto play = [&](int frames) {
+    for (int frame = 0; frame < frames; ++frame) {
+      link->plan({.schedule = one_finger()});
+      link->send(0, sounding);
+    }
+  };
+  play(2);
+  receiver.reset();
+  const std::string said = test::stderr_of([&] {
+    play(5);
+    link->finish();
+  });
+  EXPECT_EQ(link->carried()->completed.drives, 2u);
+  EXPECT_EQ(link->carried()->completed.plans, 2u);
+  EXPECT_EQ(std::ranges::count(said, '\n'), 2) << said;
+  EXPECT_CONTAINS(said, "link foci: nobody listens at localhost:" + std::to_string(port));
+  EXPECT_CONTAINS(said, "link foci: 5 of 7 lines had no receiver");
+}
+
 TEST(FociLink, RefusesOtherForms) {
   Setting s;
+  EXPECT_ERROR(open_link("foci:udp:localhost:99999", builtin_links(), s.setting), Exit::usage,
+               "a port is from 1 to 65535, not 99999");
   for (const char* spec : {"foci", "foci:", "foci:tcp:a:1", "foci:udp:", "foci:udp:host", "foci:udp:host:",
                            "foci:udp::9000", "foci:udp:host:0", "foci:udp:host:65536", "foci:udp:host:12x"}) {
     EXPECT_EQ(test::thrown_by([&] { open_link(spec, builtin_links(), s.setting); }).code(), Exit::usage) << spec;

@@ -121,6 +121,51 @@ TEST(SafeLink, ABoardGetsTheAmplitudesThatItHasAndOnlyWhatSoundsIsCounted) {
   }
 }
 
+/// A sensation whose peaks alone reach the least step: one drive of ten sounds.
+TEST(SafeLink, ThatMostOfASoundIsBelowTheStepsIsSaidOnce) {
+  for (const int sounding_of_ten : {1, 6}) {
+    log::Tail log;
+    BoardSpy spy;
+    SafeLink safe(spy, 256, {.ceiling = 0.03}, slot_s);
+    Plan plan = plan_of(spy.layout, 1);
+    plan.schedule.once = true;
+    plan.cycle = {Plays::slot_by_slot};
+    plan.drives.clear();
+    safe.plan(played(plan, 256, 0, 3000));
+    std::uint64_t slot = 0;
+    const auto send = [&](std::uint64_t drives) {
+      for (std::uint64_t end = slot + drives; slot < end; ++slot) {
+        const bool peak = slot % 10 < static_cast<std::uint64_t>(sounding_of_ten);
+        safe.send_planned(slot, array::Drive(256, {peak ? 1.0f : 0.5f, 0}));
+        safe.send_planned(slot, array::Drive(256, {0, 0}));  // pauses of the sensation do not count
+      }
+    };
+    send(600);
+    EXPECT_TRUE(log.take().empty()) << "too early to judge";
+    send(600);
+    const std::vector<log::Line> lines = log.take();
+    EXPECT_EQ(lines.size(), sounding_of_ten == 1 ? 1u : 0u);
+    if (lines.size() == 1) {
+      EXPECT_CONTAINS(lines[0].text, "most of the sound is too faint: 600 of 667 drives have no amplitude of 0.0246");
+    }
+    send(600);
+    safe.finish();
+    EXPECT_TRUE(log.take().empty()) << "once";
+  }
+}
+
+/// A short one is judged at its end.
+TEST(SafeLink, AShortFaintSoundIsSaidAtItsEnd) {
+  log::Tail log;
+  BoardSpy spy;
+  SafeLink safe(spy, 256, {.ceiling = 0.02}, slot_s);
+  for (std::uint64_t slot = 0; slot < 30; ++slot)
+    safe.send(slot, array::Drive(256, {1, 0}));
+  EXPECT_TRUE(log.take().empty());
+  safe.finish();
+  EXPECT_EQ(log.take().size(), 1u);
+}
+
 TEST(SafeLink, ACeilingLowersThePressuresThatAPlanSays) {
   struct Told : Link {
     std::optional<double> reached_pa;

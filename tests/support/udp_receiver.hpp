@@ -39,6 +39,7 @@ class UdpReceiver {
 
   /// "udp:HOST:PORT", the form of palpa's options.
   std::string address() const { return "udp:127.0.0.1:" + std::to_string(port_); }
+  int port() const { return port_; }
 
   /// The next datagram; empty if none comes before its timeout.
   std::string next() const { return receive(0); }

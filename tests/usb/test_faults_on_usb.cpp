@@ -85,7 +85,7 @@ TEST(FaultsOnUsb, OneOfTwoUnpluggedSilencesBoth) {
 TEST(FaultsOnUsb, AStalledEndpointIsClearedAndTheBoardPlaysOn) {
   Sweep sweep;
   sweep.board.gadget.stalls = true;
-  sweep.expect_recovery("board EMU1: the device refuses it; silent until it is in step again");
+  sweep.expect_recovery("board EMU1: the device refuses it; it may still sound until it is in step again");
   EXPECT_FALSE(sweep.board.gadget.stalls) << "the halt is cleared";
 }
 
@@ -94,7 +94,7 @@ TEST(FaultsOnUsb, ABoardThatTakesNoBytesForAWhilePlaysOn) {
   sweep.board.gadget.takes_nothing = true;
   EXPECT_TRUE(begins([&] { return !sweep.loop.said().empty(); }));
   sweep.board.gadget.takes_nothing = false;
-  sweep.expect_recovery("board EMU1: it takes no bytes; silent until it is in step again");
+  sweep.expect_recovery("board EMU1: it takes no bytes; it may still sound until it is in step again");
 }
 
 TEST(FaultsOnUsb, AKilledLoopLeavesSilence) {
@@ -113,7 +113,7 @@ TEST(FaultsOnUsb, AGuardThatIsKilledIsFollowedBySilence) {
   kill(guard(), SIGKILL);
   EXPECT_EQ(sweep.loop.wait(), 1);
   const std::string said = sweep.loop.said();
-  EXPECT_EQ(occurrences(said, "signal 9 ended palpa-guard; a second palpa-guard has silenced the board"), 1u) << said;
+  EXPECT_EQ(occurrences(said, "signal 9 ended palpa-guard, and a second one was started; the array ("), 1u) << said;
   EXPECT_EQ(guard(), 0);
   EXPECT_EQ(sweep.board.faults_at_the_end(), none);
 }

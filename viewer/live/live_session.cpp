@@ -259,7 +259,7 @@ void LiveSession::planned(const session::FrameReport& report, const session::Pla
   const std::chrono::milliseconds patience = taken_ < first_snapshots ? patience_.beginning : patience_.usual;
   if (unseen > patience && !stop_->exchange(true)) {
     unattended_ = true;
-    log::warning(fmt::format("the window has not answered for {} s: the array is off",
+    log::warning(fmt::format("the window has not answered for {} s: the run ends",
                              std::chrono::duration_cast<std::chrono::seconds>(patience).count()));
   }
   if (wants_snapshot_.exchange(false)) publish_snapshot(report, plan);

@@ -1,5 +1,7 @@
 #include "viewer/panel_data/array_status.hpp"
 
+#include "session/links/board_sound.hpp"
+
 namespace palpa::viewer {
 namespace {
 
@@ -21,7 +23,11 @@ std::string why_off(const Content& content) {
 }  // namespace
 
 ArrayStatus array_status(const Content& content) {
-  if (!content.live || content.run.state != LiveState::running) return {ArrayState::off, "OFF", why_off(content)};
+  if (!content.live || content.run.state != LiveState::running) {
+    const std::string boards = session::boards_that_may_sound();
+    if (!boards.empty()) return {ArrayState::unknown, "MAY SOUND", boards};
+    return {ArrayState::off, "OFF", why_off(content)};
+  }
   const std::string& link = content.edit.options().link;
   const bool none = link == "null";
   if (content.run.stuck) return {ArrayState::unknown, "MAY SOUND", link + " takes no drives"};

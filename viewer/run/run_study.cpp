@@ -278,7 +278,7 @@ std::string conduct(SittingWindows& windows, Conductor& conductor, const study::
 void end_sitting(Conductor& conductor, const setup::StudyRunOptions& options, const Outputs& outputs,
                  std::optional<log::Relay>& relay) {
   if (!conductor.presentation().end(3s))
-    leave_at_once("ended without finishing: a link, device or file did not answer; the array is silent", relay);
+    leave_at_once("ended without finishing: a link, device or file did not answer", relay);
   const study::Agenda& agenda = conductor.sitting().agenda();
   report(options, outputs, agenda, conductor.record());
   if (!conductor.presentation().end_fault().empty()) {

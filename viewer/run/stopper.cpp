@@ -22,6 +22,7 @@ void silence_at_exit() {
   const auto until = std::chrono::steady_clock::now() + 1s;
   while (LiveSession::under_way() && std::chrono::steady_clock::now() < until)
     std::this_thread::sleep_for(5ms);
+  if (setup::decide_ending(Exit::failed)) setup::tell_ending("a library has ended palpa");
   ::_exit(static_cast<int>(Exit::failed));
 }
 
@@ -38,8 +39,8 @@ Stopper::Stopper(const ViewerOptions& options, std::function<void()> wake)
 
 void Stopper::begin() {
   if (interrupt_) return;
+  relay_.emplace();  // first, so that what the log needs is still there within exit()
   silence_at_exits();
-  relay_.emplace();
   interrupt_.emplace("ended without finishing, one second after the signal: a link, device or file did not answer",
                      wake_);
 }
@@ -64,7 +65,7 @@ void Stopper::end(App& app) {
   if (cut) {
     fails(Exit::failed, too_early);
   } else if (!loading && !over) {
-    fails(Exit::failed, "ended without finishing: a link, device or file did not answer; the array is silent");
+    fails(Exit::failed, "ended without finishing: a link, device or file did not answer");
   } else if (at_once) {
     try {
       rethrow();
@@ -72,7 +73,7 @@ void Stopper::end(App& app) {
       fails(error.code(), error.what());
     }
   }
-  setup::decide_ending(Exit::ok);
+  setup::decide_good_ending();
   relay_.reset();
   ::_exit(static_cast<int>(setup::ending()));
 }

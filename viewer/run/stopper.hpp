@@ -23,8 +23,8 @@ class Stopper {
 
   std::atomic<bool>& flag() { return setup::Interrupt::flag(); }
 
-  /// Ends the run. If it does not end (a camera, a disk or a GPU does not answer), the program ends all the same: the
-  /// array is silent by then, see session/loop/loop.hpp. A run that is still loading has nothing to silence and is not
+  /// Ends the run. If it does not end (a camera, a disk or a GPU does not answer), the program ends all the same. Its
+  /// last line says what is known of the array's sound. A run that is still loading has nothing to silence and is not
   /// waited for. Throws what the run failed with, so that the program ends as `palpa run` does. Throws failure if only
   /// --interact or --frames ended the run while it was loading, because they have shown nothing of it.
   void end(App& app);

@@ -136,7 +136,7 @@ std::uint32_t number_at(std::span<const char> bytes) {
 
 }  // namespace
 
-UdpAddress parse_osc_address(const std::string& text) {
+NetAddress parse_osc_address(const std::string& text) {
   return parse_listening_address(text, "--osc takes PORT or ADDRESS:PORT, for example 9000 or 0.0.0.0:9000");
 }
 

@@ -17,7 +17,7 @@ namespace palpa::session {
 
 /// The address of "PORT" or "ADDRESS:PORT": of this machine alone if there is only a port. Throws bad_usage for another
 /// form.
-UdpAddress parse_osc_address(const std::string& text);
+NetAddress parse_osc_address(const std::string& text);
 
 /// Give it to the run as RunOptions::changes, and to the session its gain as Safety::gain_now, and feel_may_change.
 class Osc final : public RunChanges {

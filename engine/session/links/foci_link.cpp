@@ -32,24 +32,16 @@ class FociLink : public Link {
       return;
     }
     if (plan.schedule.voice_count == 0 && plan.schedule.time_s < last_s_) {  // after lines of slots
-      heard_ = send_silence();
+      heard_ = send_silence() == UdpSender::Sent::yes;
       return;
     }
     const std::vector<std::string>& names = plan.schedule.solid_names ? *plan.schedule.solid_names : solid_names_;
     const bool whole = write_foci_line(plan.schedule, plan.slots, names, json_);
     last_s_ = plan.schedule.time_s;
-    ++lines_;
-    heard_ = sender_.send(json_.finish());
-    if (heard_) {
-      lines_with_fingers_ += plan.schedule.voice_count > 0 ? 1 : 0;
-      if (!whole && !std::exchange(told_, true)) warn_of_cut_gains("link foci");
-      return;
-    }
-    ++unsent_;
-    send_silence();  // otherwise, the foci of the previous line would continue to sound
-    sender_.warn();
+    send_line(plan.schedule.voice_count > 0);
+    if (heard_ && !whole && !std::exchange(told_, true)) warn_of_cut_gains("link foci");
   }
-  /// A drive counts as played if its line of foci was sent.
+  /// A drive counts as played if its line of foci was sent, and nobody refused it.
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive) override {
     if (once_) send_slot(slot, sounds(drive));
     played_ += heard_ && sounds(drive) ? 1 : 0;
@@ -66,6 +58,7 @@ class FociLink : public Link {
       log::warning(
           fmt::format("link foci: {} of {} lines could not be sent; there was silence instead", unsent_, lines_));
     }
+    if (refused_ > 0) log::warning(fmt::format("link foci: {} of {} lines had no receiver", refused_, lines_));
   }
 
  private:
@@ -83,16 +76,21 @@ class FociLink : public Link {
     }
     write_foci_line(line, {}, solid_names_, json_);
     last_s_ = line.time_s;
-    ++lines_;
-    heard_ = sender_.send(json_.finish());
-    if (heard_) {
-      ++lines_with_fingers_;
-    } else {
-      ++unsent_;
-      sender_.warn();
-    }
+    send_line(true);
   }
-  bool send_silence() {
+  void send_line(bool has_fingers) {
+    ++lines_;
+    const UdpSender::Sent sent = sender_.send(json_.finish());
+    heard_ = sent == UdpSender::Sent::yes;
+    lines_with_fingers_ += heard_ && has_fingers ? 1 : 0;
+    refused_ += sent == UdpSender::Sent::refused ? 1 : 0;
+    if (sent == UdpSender::Sent::no) {
+      ++unsent_;
+      send_silence();  // otherwise, the foci of the previous line would continue to sound
+    }
+    sender_.warn();
+  }
+  UdpSender::Sent send_silence() {
     array::Schedule nothing;
     nothing.time_s = last_s_;
     write_foci_line(nothing, {}, {}, json_);
@@ -106,7 +104,7 @@ class FociLink : public Link {
   array::Schedule schedule_;  ///< that plan's
   std::vector<array::SlotFocus> foci_;
   double last_s_ = 0;  ///< time of the last line
-  std::uint64_t lines_ = 0, unsent_ = 0;
+  std::uint64_t lines_ = 0, unsent_ = 0, refused_ = 0;
   bool heard_ = false;  ///< the last line was sent
   bool told_ = false;   ///< of gains that are cut
   std::uint64_t played_ = 0, lines_with_fingers_ = 0;

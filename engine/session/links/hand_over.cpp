@@ -34,6 +34,13 @@ std::string remedy_of(const HandOver& counts) {
          "longer --dwell";
 }
 
+/// The device was not there.
+const char* remedy_of_stuck(const HandOver& counts) {
+  return counts.behind->guard
+             ? "for a time, the device took none; see whether it is plugged in and switched on, and its server runs"
+             : "for a time, nobody took any; see whether the receiver runs";
+}
+
 }  // namespace
 
 std::uint64_t HandOver::lost() const {
@@ -51,10 +58,20 @@ std::string to_text(const HandOver& counts) {
                            behind.guard->drives, behind.submitted.drives, behind.completed.drives, starting);
 }
 
-void HandOverWatch::look(const HandOver& counts) {
-  if (!counts.unusual() || std::exchange(warned_, true)) return;
+void HandOverWatch::look(const HandOver& counts, bool last) {
+  if (!counts.behind || warned_) return;
+  const std::uint64_t completed = counts.behind->completed.drives;
+  const std::uint64_t more = less(counts.lost(), std::exchange(lost_, counts.lost()));
+  const bool arrived = completed != std::exchange(completed_, completed);
+  const bool stuck = more > 0 && (!arrived || counts.behind->out_of_reach);
+  stuck_ += stuck ? more + newest_ : 0;
+  newest_ = stuck ? 0 : more;
+  if (!counts.unusual() || (!stuck && !last && more > 0)) return;
+  warned_ = true;
+  const bool mostly_stuck = 2 * stuck_ > counts.lost();
   log::warning(fmt::format("{} of {} drives were lost between loop and device; at most {} are normal ({}): {}",
-                           counts.lost(), counts.loop.drives, counts.normal(), to_text(counts), remedy_of(counts)));
+                           counts.lost(), counts.loop.drives, counts.normal(), to_text(counts),
+                           mostly_stuck ? remedy_of_stuck(counts) : remedy_of(counts)));
 }
 
 }  // namespace palpa::session

@@ -59,14 +59,22 @@ struct HandOver {
 /// The number of drives that passed each hand-over, as part of a line.
 std::string to_text(const HandOver& counts);
 
-/// Warns once, as soon as more drives are lost than normal.
+/// Warns once if more drives are lost than normal, and says what helps. Drives that were lost while none arrived have
+/// another remedy than those that were lost between others, so it waits for one more look before it judges.
 class HandOverWatch {
  public:
-  /// Checks the current counts.
-  void look(const HandOver& counts);
+  /// Checks the current counts, about once a second.
+  void look(const HandOver& counts) { look(counts, false); }
+  /// The same for the last counts of a run.
+  void end(const HandOver& counts) { look(counts, true); }
 
  private:
+  void look(const HandOver& counts, bool last);
+
   bool warned_ = false;
+  std::uint64_t lost_ = 0, completed_ = 0;  ///< at the last look
+  std::uint64_t newest_ = 0;                ///< lost between the last two looks
+  std::uint64_t stuck_ = 0;                 ///< lost while none arrived, and just before
 };
 
 }  // namespace palpa::session

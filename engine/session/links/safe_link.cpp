@@ -17,6 +17,8 @@ namespace {
 
 /// Interval at which a plan is passed on again while a ramp moves. A board with its own clock has to load each of them.
 constexpr double replan_s = 10e-3;
+/// How much sound must have come before a warning that most of it is too faint.
+constexpr double judged_s = 1;
 
 /// Runs `work` and keeps only the first error; later ones are consequences.
 template <typename Work>
@@ -143,6 +145,7 @@ void SafeLink::finish() {
   keep_error(fault, [&] { link_.plan({.schedule = nothing_, .slots = {next_slot_, next_slot_}}); });
   keep_error(fault, [&] { hand_over(next_slot_, silence_, false, false); });
   keep_error(fault, [&] { link_.finish(); });
+  warn_if_mostly_silent();
   if (fault) std::rethrow_exception(fault);
 }
 
@@ -217,6 +220,24 @@ void SafeLink::warn_if_faint(double factor) {
   faint_ = faint;
 }
 
+/// Drives on a ramp do not count.
+void SafeLink::count_rounded(bool asked, bool audible, double factor) {
+  if (!asked || faint_ || (ramped() && factor != ceiling())) return;
+  ++asked_;
+  rounded_off_ += audible ? 0 : 1;
+  if (static_cast<double>(asked_) * slot_s_ >= judged_s) warn_if_mostly_silent();
+}
+
+void SafeLink::warn_if_mostly_silent() {
+  constexpr std::uint64_t few = 20;
+  if (asked_ < few || 2 * rounded_off_ <= asked_ || std::exchange(told_mostly_silent_, true)) return;
+  log::warning(fmt::format(
+      "most of the sound is too faint: {} of {} drives have no amplitude of {:g}, the least that {} boards play{}, and "
+      "are silent; raise the ceiling, the gain or the pressure",
+      rounded_off_, asked_, boards_->least_to_say(), boards_->finest()->title,
+      boards_->has_factors() ? " with the factors of their files" : ""));
+}
+
 void SafeLink::send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned) {
   const bool audible = sounds(drive);
   on_ = on_ || audible;  // drives without a plan also sound
@@ -250,11 +271,17 @@ void SafeLink::send_scaled(std::uint64_t slot, std::span<const array::Transducer
   if (sounding && (length == 1 || (length > 1 && as_planned))) {
     const std::size_t first = slot % length * silence_.size();
     const auto own = std::span<const array::TransducerDrive>(scaled_.drives).subspan(first, silence_.size());
-    return pass_on(slot, sounds(drive) ? own : silence_, true);
+    const bool asked = sounds(drive);
+    count_rounded(asked, sounds(own), factor);
+    return pass_on(slot, asked ? own : silence_, true);
   }
   scaled_drive_.assign(drive.begin(), drive.end());
   scale(scaled_drive_, factor);
-  if (boards_) round(scaled_drive_, made_for, factor);
+  if (boards_) {
+    const bool asked = factor > 0 && sounds(drive);
+    round(scaled_drive_, made_for, factor);
+    count_rounded(asked, sounds(scaled_drive_), factor);
+  }
   pass_on(slot, scaled_drive_, sounding);
 }
 

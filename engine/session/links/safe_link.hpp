@@ -46,8 +46,9 @@ void check_safety(const Safety& safety);
 /// array::RequestedPlay does. What counts as sounding is therefore what sounds: a drive below the board's least
 /// amplitude is silent. If a board plays a plan of one drive by its own clock and modulation, the drive of each slot is
 /// the plan's. Boards that do not play plans get plans without drives. Warns if a plan with fingers is silent because
-/// of the board's steps, once until one sounds. The last drive that the link gets is all-zero: from finish(), or else
-/// from the destructor, so even if the link or its caller throws. Calls after finish() are dropped.
+/// of the board's steps, once until one sounds; and once in a run if most of its drives are. The last drive that the
+/// link gets is all-zero: from finish(), or else from the destructor, so even if the link or its caller throws. Calls
+/// after finish() are dropped.
 class SafeLink final : public Link {
  public:
   /// `link` must outlive it. `sent` is called after every drive that the link took; its argument says whether the drive
@@ -93,6 +94,8 @@ class SafeLink final : public Link {
   void round_plan(double factor);
   void find_loudest(const PlayedPlan& plan);
   void warn_if_faint(double factor);
+  void count_rounded(bool asked, bool audible, double factor);
+  void warn_if_mostly_silent();
   void send(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void send_ramped(std::uint64_t slot, std::span<const array::TransducerDrive> drive, bool planned);
   void send_scaled(std::uint64_t slot, std::span<const array::TransducerDrive> drive, std::uint64_t made_for,
@@ -127,8 +130,10 @@ class SafeLink final : public Link {
   std::uint64_t loudest_slot_ = 0;
   float loudest_ = 0;  ///< its amplitude, or the largest gain
   bool plays_plans_ = false;
-  bool asks_ = false;   ///< fingers of the last plan request a pressure
-  bool faint_ = false;  ///< the last plan with fingers was silent, because of the boards' steps
+  bool asks_ = false;                          ///< fingers of the last plan request a pressure
+  bool faint_ = false;                         ///< the last plan with fingers was silent, because of the boards' steps
+  std::uint64_t asked_ = 0, rounded_off_ = 0;  ///< drives that should sound, and those that the steps left silent
+  bool told_mostly_silent_ = false;
 
   // Only if amplitudes change.
   Sound kept_, scaled_;           ///< of the last plan with voices: as it came, and as it was passed on

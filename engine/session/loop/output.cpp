@@ -142,7 +142,7 @@ void play(Link& link, Newest<Plan>& plans, const OutputSetting& setting, const C
   safe.finish();
   if (turns) stats.scheduling = scheduling_of(0);
   stats.hand_over = safe.handed_over();
-  watch.look(stats.hand_over);
+  watch.end(stats.hand_over);
 }
 
 }  // namespace palpa::session

@@ -69,12 +69,9 @@ class UdpSink : public EventSink {
   void write(std::span<const Event> events) override {
     for (const Event& event : events) {
       write_event_line(event, solid_names_, json_);
-      if (sender_.send(json_.finish())) {
-        ++written_;
-      } else {
-        ++dropped_;
-        sender_.warn();
-      }
+      const bool sent = sender_.send(json_.finish()) == UdpSender::Sent::yes;
+      ++(sent ? written_ : dropped_);
+      sender_.warn();
     }
   }
 

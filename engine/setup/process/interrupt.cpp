@@ -32,7 +32,13 @@ std::atomic<void (*)()> restore_something{nullptr};
 /// Posted by the signal; its type is safe in a signal handler.
 sem_t first_signal;
 
-void note(int) {
+/// Those with which a person or a program asks palpa to end. A run that others end is not complete.
+bool asks(int signal) {
+  return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT || signal == SIGTSTP;
+}
+
+void note(int signal) {
+  if (!signal_came && !asks(signal)) note_cut_short(signal);
   const bool first = !signal_came.exchange(true);  // before the flag: code that clears the flag checks this afterwards
   requested_flag = true;
   if (first) sem_post(&first_signal);

@@ -18,10 +18,11 @@ class Interrupt {
  public:
   /// Must exist for as long as there is something to silence. Catches all signals that end or stop a program and can be
   /// caught, including Ctrl-Z, because a stopped program cannot silence anything. Further signals have no effect, so an
-  /// impatient second Ctrl-C cannot leave the array sounding. One second after the first signal, palpa ends in any
-  /// case, with the error line `late`; no output and no device can delay it longer. This also holds for work after this
-  /// object's end. `came` is called on another thread when the first signal comes, while this object lives; it must not
-  /// wait.
+  /// impatient second Ctrl-C cannot leave the array sounding. After signals other than SIGINT, SIGTERM, SIGHUP, SIGQUIT
+  /// and SIGTSTP, such as SIGXCPU, the program ends as failed, with a line that names them. One second after the first
+  /// signal, palpa ends in any case, with the error line `late`; no output and no device can delay it longer. This also
+  /// holds for work after this object's end. `came` is called on another thread when the first signal comes, while this
+  /// object lives; it must not wait.
   explicit Interrupt(std::string late, std::function<void()> came = {});
 
   ~Interrupt();

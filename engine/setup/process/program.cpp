@@ -73,7 +73,7 @@ int run_program(const std::function<void()>& body) {
       throw failure("Vulkan validation reported " + counted(errors, "error"));
     }
     log::release_warnings();
-    decide_ending(Exit::ok);
+    decide_good_ending();
     code = ending();
   } catch (const Error& error) {
     code = report(error.code(), error.what());

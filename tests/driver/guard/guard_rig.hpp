@@ -104,6 +104,8 @@ struct GuardRig {
     EXPECT_EQ(count("torn"), 0u);
     EXPECT_EQ(count("allocated"), 0u);
   }
+  /// What an end says of the board after that.
+  std::string is_silent() const { return "the array (trace:" + file.string() + ") is silent"; }
   void end_silent() {
     link->finish();
     expect_silent_end();

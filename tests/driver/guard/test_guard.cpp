@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -28,6 +29,7 @@
 #include "driver/guard/guard.hpp"
 #include "driver/rig_parts.hpp"
 #include "guard_rig.hpp"
+#include "session/links/board_sound.hpp"
 #include "support/begins.hpp"
 #include "support/captured.hpp"
 #include "support/files.hpp"
@@ -256,7 +258,7 @@ TEST(Guard, AGuardThatIsKilledOrStoppedIsFollowedByOneThatSilences) {
     if (signal == SIGSTOP) {
       EXPECT_GE(std::chrono::steady_clock::now() - began, 900ms) << "it had been patient for less";
     }
-    EXPECT_EQ(line, std::string("trace: ") + what + "; a second palpa-guard has silenced the board");
+    EXPECT_EQ(line, std::string("trace: ") + what + ", and a second one was started; " + rig.is_silent());
     EXPECT_EQ(rig.count("open"), 2u);
     rig.expect_silent_end();
     EXPECT_NO_THROW(rig.link->send(rig.slot, rig.drive));  // what SafeLink tries afterwards has no effect
@@ -295,7 +297,8 @@ TEST(Guard, AGuardThatDiesWhileItOpensIsFollowedToo) {
   const Rig rig;
   const std::string line =
       test::error_of([&] { static_cast<void>(rig.open("die-once:" + rig.file.string())); }, Exit::failed);
-  EXPECT_EQ(line, "trace: signal 9 ended palpa-guard; a second palpa-guard has silenced the board");
+  EXPECT_EQ(line, "trace: signal 9 ended palpa-guard, and a second one was started; the array (trace:die-once:" +
+                      rig.file.string() + ") is silent");
   rig.expect_silent_end();
 }
 
@@ -325,7 +328,7 @@ TEST(Guard, AGuardThatIsKilledJustBeforeTheEndIsFollowedToo) {
   rig.send(0);
   kill(guard_of_ours(), SIGKILL);
   EXPECT_CONTAINS(test::error_of([&] { rig.link->finish(); }, Exit::failed),
-                  "a second palpa-guard has silenced the board");
+                  "and a second one was started; " + rig.is_silent());
   rig.expect_silent_end();
 }
 
@@ -337,6 +340,7 @@ TEST(Guard, WhereNobodyCanSilenceTheBoardItSaysSo) {
   std::filesystem::create_directory(rig.file);
   const std::string said = test::stderr_of([&] { EXPECT_ERROR(rig.link->finish(), Exit::failed, "switch it off"); });
   EXPECT_CONTAINS(said, "cannot be opened");
+  EXPECT_EQ(session::board_sound("trace:" + rig.file.string()), session::BoardSound::unknown);
 }
 
 TEST(Guard, AGuardThatIsToldToLeaveSilencesFirst) {
@@ -367,10 +371,21 @@ TEST(Guard, SignalsThatAreForTheLoopDoNotEndIt) {
 
 TEST(Guard, ABoardThatMayNotHaveHeardTheLastSilenceIsReported) {
   const Rig rig;
-  const auto link = rig.open("unsure:" + rig.file.string());
+  const std::string argument = "unsure:" + rig.file.string();
+  const std::atomic<session::BoardSound>& sound = session::board_sound("trace:" + argument);
+  const auto link = rig.open(argument);
+  EXPECT_EQ(sound, session::BoardSound::silent);
   link->send(0, rig.drive);
-  EXPECT_ERROR(link->finish(), Exit::failed, "it is not known");
+  EXPECT_EQ(sound, session::BoardSound::unknown);
+  EXPECT_ERROR(link->finish(), Exit::failed, "has not answered: it may still sound, switch it off");
+  EXPECT_EQ(sound, session::BoardSound::told);
   rig.expect_silent_end();
+  // Opened again, it is silent, and then out of reach.
+  test::write_text(rig.file.string() + "-lost", "");
+  const auto again = rig.open(argument);
+  EXPECT_EQ(sound, session::BoardSound::silent);
+  EXPECT_ERROR(again->finish(), Exit::failed, "is out of reach: it may still sound, switch it off");
+  EXPECT_EQ(sound, session::BoardSound::gone);
 }
 
 TEST(Guard, ALinkThatIsDroppedLeavesSilence) {

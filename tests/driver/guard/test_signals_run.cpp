@@ -43,6 +43,11 @@ Means meaning_of(int signal) {
   return signal == SIGSTOP ? Means::stop : Means::end;
 }
 
+/// Whether a person or a program asks palpa to end with it. The others end it as failed, such as SIGXCPU.
+bool asks_to_end(int signal) {
+  return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT || signal == SIGTSTP;
+}
+
 /// Sends the signal to a loop that sounds.
 void expect_silence(SonicSurfaceLine& board, const std::vector<std::string>& command, int signal) {
   SCOPED_TRACE("signal " + std::to_string(signal) + " (" + strsignal(signal) + "), palpa " + command.front());
@@ -75,6 +80,13 @@ void expect_silence(SonicSurfaceLine& board, const std::vector<std::string>& com
     EXPECT_TRUE(end.by_signal == (means == Means::stop ? SIGKILL : signal) || reported) << end.by_signal;
   } else if (means != Means::either || end.by_signal != signal) {
     EXPECT_TRUE(end.exit_code == 0 || end.exit_code == 1) << "1: a busy machine did not get it done within a second";
+    if (means == Means::end && !asks_to_end(signal)) {
+      EXPECT_EQ(end.exit_code, 1) << "nobody has asked for it";
+      const std::string told = read_text(said);
+      EXPECT_TRUE(told.find("cut short by signal " + std::to_string(signal)) != std::string::npos ||
+                  told.find("ended without finishing") != std::string::npos)
+          << told;
+    }
   }
   EXPECT_TRUE(board.falls_silent());
 }

@@ -22,7 +22,10 @@ namespace {
 class TraceBoard final : public driver::Board {
  public:
   TraceBoard(const std::string& file, bool sure, driver::BoardNotes& notes)
-      : file_(::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)), sure_(sure), notes_(notes) {
+      : file_(::open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)),
+        sure_(sure),
+        lost_(access((file + "-lost").c_str(), F_OK) == 0),
+        notes_(notes) {
     if (!file_) throw failure(file + ": cannot be opened");
     write("open\n");
     allocations_ = allocations();
@@ -48,7 +51,9 @@ class TraceBoard final : public driver::Board {
   void all_off() override { write("off\n"); }
 
   /// Everything in the file has arrived.
-  driver::BoardCounts counts() const override { return {.submitted = written_, .completed = written_}; }
+  driver::BoardCounts counts() const override {
+    return {.submitted = written_, .completed = written_, .out_of_reach = lost_};
+  }
 
   bool close() override {
     const std::uint64_t since = allocations() - allocations_;
@@ -68,7 +73,7 @@ class TraceBoard final : public driver::Board {
   }
 
   Descriptor file_;
-  bool sure_;
+  bool sure_, lost_;
   driver::BoardNotes& notes_;
   std::uint64_t allocations_ = 0;
   session::Passed written_;

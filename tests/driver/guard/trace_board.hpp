@@ -12,7 +12,8 @@
 
 namespace palpa::test {
 
-/// `trace:FILE`. `trace:refuse` does not exist; `trace:unsure:FILE` never knows whether it is silent.
+/// `trace:FILE`. `trace:refuse` does not exist; `trace:unsure:FILE` never knows whether it is silent, and
+/// is out of reach if there is a FILE-lost.
 driver::BoardKind trace_board();
 
 /// A drive whose parts show that they belong together.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -178,6 +179,49 @@ TEST(OpenMpdRun, ItsQueueNeverHoldsMoreThanASlotWhereProgramsAreHeldUp) {
     EXPECT_GE(board["most_buffered_bytes"], 4 * 512) << "a drive is several frames";
   }
   EXPECT_FALSE(board["sounds"].get<bool>());
+}
+
+/// Every command that plays, in front of a board that hangs, or that is unplugged, when Ctrl-C comes.
+TEST(OpenMpdRun, EveryEndSaysThatABoardOutOfReachMaySound) {
+  const std::vector<std::string> play{"play", "circle", "--link", "openmpd:EMU1", "--ceiling", "0.5"},
+      link{"link", "test", "--link", "openmpd:EMU1", "--each", "100s"},
+      nudge{"calibrate", "--nudge",   "--backend", "cpu", "--link", "openmpd:EMU1", "--noise-free",
+            "--keys",    "right*900", "--ceiling", "0.5", "--out",  "nudged.toml"},
+      run = with({"run"}, run_to("openmpd:EMU1", "openmpd"));
+  const auto ends = [](const std::vector<std::string>& command, int what) {
+    SCOPED_TRACE(command.front() + ", " + strsignal(what));
+    const std::string name = "openmpd-end-" + command.front() + std::to_string(what);
+    const auto trace = scratch_folder(name + "-trace") / "wire.jsonl", said = scratch_folder(name + "-said") / "stderr";
+    Emulation emulation(name, "EMU1", {"--trace", trace.string()});
+    const Unread err = Unread::file(said);
+    LiveOptions options{.err = &err, .environment = emulation.environment()};
+    options.command = command.front().c_str();
+    LiveRun live({command.begin() + 1, command.end()}, options);
+    ASSERT_TRUE(begins([&] { return heard_in(trace).sounding > 0 || live.wait(0).ended; })) << read_text(said);
+    kill(emulation.id(), what);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until it has room for no more
+    live.signal(SIGINT);
+    const LiveRun::End end = live.wait(60);
+    EXPECT_TRUE(end.ended);
+    EXPECT_EQ(end.exit_code, 1);
+    const std::string told = read_text(said);
+    EXPECT_CONTAINS(told, ": error: ");
+    EXPECT_CONTAINS(told, "the array (openmpd:EMU1) ");
+    EXPECT_CONTAINS(told, ": it may still sound, switch it off\n");
+    kill(emulation.id(), SIGCONT);
+  };
+  side_by_side({[&] { ends(run, SIGSTOP); }, [&] { ends(play, SIGSTOP); }, [&] { ends(link, SIGSTOP); },
+                [&] { ends(nudge, SIGKILL); }, [&] { ends(run, SIGKILL); }});
+}
+
+/// A run that fails says that its board is silent.
+TEST(OpenMpdRun, AnErrorSaysThatTheBoardIsSilent) {
+  Emulation emulation("openmpd-error", "EMU1");
+  const RunOptions options{.environment = emulation.environment()};
+  const Result result = palpa(
+      with(with({"run"}, run_to("openmpd:EMU1", "openmpd")), {"--ceiling", "0.5", "--events", "/dev/full"}), options);
+  expect_failure(result, 1, "; the array (openmpd:EMU1) is silent");
+  emulation.end();
 }
 
 TEST(OpenMpdRun, FociThatStandStillHaveFineSlotsUnlessTheLineSaysOtherwise) {

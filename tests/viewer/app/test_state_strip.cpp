@@ -6,6 +6,7 @@
 #include <string>
 
 #include "live_app.hpp"
+#include "session/links/board_sound.hpp"
 #include "viewer/panel_data/array_status.hpp"
 #include "viewer/panels/panels.hpp"
 #include "viewer/panels/stroke_font.hpp"
@@ -38,6 +39,9 @@ TEST(ArrayStatus, IsOneOfFourWordsWithTheLink) {
   content.run.state = LiveState::failed;
   content.run.fault = "heard: broken";
   says(content, "OFF", "the run has failed: heard: broken");
+  session::board_sound("board:1") = session::BoardSound::gone;
+  says(content, "MAY SOUND", "the array (board:1) is out of reach: it may still sound, switch it off");
+  session::board_sound("board:1") = session::BoardSound::silent;
   content = running_with("null");
   EXPECT_EQ(array_status(content).more, "no array");
   content.run.sounding = true;

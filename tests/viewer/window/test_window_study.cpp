@@ -173,6 +173,38 @@ TEST_F(WindowStudy, ARehearsalThatPausesSaysWhy) {
   expect_silence();
 }
 
+TEST_F(WindowStudy, ASignalSaysThatABoardThatHangsMaySound) {
+  ASSERT_TRUE(touches()) << said();
+  kill(boards_.id(), SIGSTOP);
+  run_->wait(0.3);
+  run_->signal(SIGTERM);
+  EXPECT_EQ(ends(10).exit_code, 1) << said();
+  EXPECT_CONTAINS(said(), ": it may still sound, switch it off\n");
+  kill(boards_.id(), SIGCONT);
+}
+
+/// The viewer, with or without a window.
+TEST(ViewerEnd, SaysThatABoardThatHangsMaySound) {
+  const fs::path folder = scratch_folder("viewer-end");
+  Emulation boards("viewer-end-boards", "EMU1", {"--trace", (folder / "trace").string()});
+  write_text(folder / "script", "draw 2\nwait 100\n");
+  const Unread err = Unread::file((folder / "said").string());
+  LiveOptions options{.err = &err, .environment = boards.environment(), .program = PALPA_VIEWER_BINARY};
+  options.environment.push_back(where_assets_are());
+  LiveRun run({"--scene", source_file("assets/cube.glb").string(), "--source", "synthetic", "--link", "openmpd:EMU1",
+               "--layout", "openmpd", "--backend", "cpu", "--hold", "5s", "--headless", "--size", "64x48", "--interact",
+               (folder / "script").string(), "--ceiling", "0.5"},
+              options);
+  const auto said = [&] { return read_text(folder / "said"); };
+  ASSERT_TRUE(begins([&] { return heard_in(folder / "trace").sounding > 0 || run.wait(0).ended; })) << said();
+  kill(boards.id(), SIGSTOP);
+  run.wait(0.3);
+  run.signal(SIGTERM);
+  EXPECT_EQ(run.wait(60).exit_code, 1) << said();
+  EXPECT_CONTAINS(said(), ": it may still sound, switch it off\n");
+  kill(boards.id(), SIGCONT);
+}
+
 TEST_F(WindowStudy, ClosingTheParticipantsWindowDuringATouchIsSilence) {
   ASSERT_TRUE(touches()) << said();
   XHand hand(server_->name());
