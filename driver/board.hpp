@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -91,6 +92,7 @@ struct BoardCounts {
   session::Passed completed;   ///< the device has taken all of it
   std::uint64_t starting = 0;  ///< see session::Carried, also for the next one
   bool out_of_reach = false;
+  std::optional<std::uint64_t> late{};
 };
 
 class Board {
@@ -142,6 +144,8 @@ struct BoardKind {
   /// What its files multiply the amplitude of each transducer by (Layout::factors). Drives that it gets have that
   /// already. Empty: nothing. Throws as open() does.
   std::function<std::vector<float>(const BoardSpec&)> factors{};
+  /// If plays_plans: the shortest slot of drives that no plan lists. Empty: no limit.
+  std::function<double(const array::Layout& layout)> single_drive_s{};
 };
 
 /// All kinds that palpa and its guard know.

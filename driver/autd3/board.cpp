@@ -459,6 +459,7 @@ BoardKind board_kind() {
                  },
                  true};
   kind.own_layout = [](const std::string&) { return std::string("autd3"); };
+  kind.single_drive_s = [](const array::Layout&) { return 2e-3; };  // in which a server takes one
   return kind;
 }
 

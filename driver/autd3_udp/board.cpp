@@ -43,6 +43,18 @@ const array::BoardType& type() {
   return *array::find_board_type("autd3");
 }
 
+/// What one drive takes on the cable.
+double cable_s(const array::Layout& layout) {
+  constexpr std::size_t bytes = datagram_head + 6 + 10 + 2 * transducers + cable_overhead;
+  return static_cast<double>(layout.boards.size() * bytes) / cable_bytes_per_s;
+}
+
+/// The shortest slot in which drives are sent one by one, in whole periods.
+double stream_s(const array::Layout& layout) {
+  constexpr double least_s = 0.2e-3, cable_share = 1.25, period_s = 1 / autd3::period_hz;
+  return period_s * std::ceil(std::max(least_s, cable_share * cable_s(layout)) / period_s - 1e-6);
+}
+
 /// When slots begin, though drives come late: never earlier than the earliest drive says.
 class SlotTimes {
  public:
@@ -78,9 +90,9 @@ class UdpBoard final : public Board {
                 .phase_steps = static_cast<std::uint16_t>(changes_.phase_steps)}),
         times_(spec.slot_s),
         // All units' frames pass the cable to the first one.
-        cable_s_(static_cast<double>(spec.layout.boards.size() * pattern_bytes) / cable_bytes_per_s),
+        cable_s_(cable_s(spec.layout)),
         lead_s_(std::max(std::min(cable_s_ + lead_s, most_lead_slots * spec.slot_s), cable_s_)),
-        streams_(spec.slot_s >= std::max(least_stream_s, cable_share * cable_s_)),
+        streams_(spec.slot_s >= stream_s(spec.layout)),
         loading_(spec.layout.transducers.size(), session::most_cycle),
         newest_(spec.layout.transducers.size(), session::most_cycle),
         drive_(spec.layout.transducers.size()) {
@@ -160,6 +172,7 @@ class UdpBoard final : public Board {
   BoardCounts counts() const override {
     BoardCounts counts = tally_.counts(lost_);
     counts.completed.drives += units_.drives_there();
+    counts.late = late_;
     return counts;
   }
 
@@ -184,10 +197,6 @@ class UdpBoard final : public Board {
   }
 
  private:
-  static constexpr std::size_t pattern_bytes = datagram_head + 6 + 10 + 2 * transducers + cable_overhead;
-  /// Drives are sent one by one if a slot lasts that long, and their frames take that share of it at most.
-  static constexpr double least_stream_s = 0.18e-3, cable_share = 1.25;
-
   /// How units play a pattern.
   enum class Way {
     one,    ///< its only drive, until another comes
@@ -198,7 +207,15 @@ class UdpBoard final : public Board {
   Way way_of(const autd3::Pattern& pattern) const {
     if (pattern.parts() == 1) return Way::one;
     if (autd3::can_be_foci(pattern, layout_, sound_speed_m_s_)) return Way::foci;
-    return streams_ ? Way::slots : Way::raw;
+    return streams_ && !pauses(pattern) ? Way::slots : Way::raw;
+  }
+
+  /// Whether a drive of it is silent. A guard does not pass such a drive on: it is part of the pattern.
+  static bool pauses(const autd3::Pattern& pattern) {
+    for (std::uint32_t part = 0; part < pattern.parts(); ++part) {
+      if (std::ranges::all_of(pattern.part(part), [](const Emission& e) { return e.intensity == 0; })) return true;
+    }
+    return false;
   }
 
   void wait() { clock_.wait_s(wait_s, units_.watched()); }
@@ -489,9 +506,10 @@ class UdpBoard final : public Board {
         wait();
         units_.pump(clock_.now_s());
       }
+      if (units_.idle()) late_ = units_.late();
     }
-    notes_.info(FixedText<160>("{} of {} drives carried out by all units, {} frames sent again, {} carried out late",
-                               all.completed.drives, all.submitted.drives, units_.repeated(), units_.late())
+    notes_.info(FixedText<160>("{} of {} drives carried out by all units, {} frames sent again", all.completed.drives,
+                               all.submitted.drives, units_.repeated())
                     .view());
   }
 
@@ -532,6 +550,7 @@ class UdpBoard final : public Board {
   Wave played_, written_;
   bool modulation_written_ = false;  ///< written_ is in the other bank
   PlanTally tally_;
+  std::optional<std::uint64_t> late_;
   bool lost_ = false;
   double retry_at_s_ = 0;
 };
@@ -582,6 +601,7 @@ BoardKind board_kind() {
                  },
                  true};
   kind.own_layout = [](const std::string&) { return std::string("autd3"); };
+  kind.single_drive_s = stream_s;
   return kind;
 }
 

@@ -261,7 +261,8 @@ session::LinkKind board_link(const BoardKind& kind, const std::string& program) 
           kind.own_layout,
           kind.least_moving_slot_s,
           kind.plays_plans,
-          kind.takes_steps};
+          kind.takes_steps,
+          kind.single_drive_s};
 }
 
 }  // namespace palpa::driver

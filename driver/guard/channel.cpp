@@ -51,7 +51,8 @@ void Tally::tell(const session::Passed& taken, const BoardCounts& counts) {
                        counts.completed.drives,
                        counts.completed.plans,
                        counts.starting,
-                       std::uint64_t{counts.out_of_reach}};
+                       std::uint64_t{counts.out_of_reach},
+                       counts.late ? *counts.late + 1 : 0};
   // Not all at one instant: a reader may miss the newest values meanwhile, and asks again.
   for (std::size_t i = 0; i < now.size(); ++i)
     values_[i].store(now[i], std::memory_order_relaxed);
@@ -63,7 +64,8 @@ session::Carried Tally::read() const {
           .submitted = {value(2), value(3)},
           .completed = {value(4), value(5)},
           .starting = value(6),
-          .out_of_reach = value(7) != 0};
+          .out_of_reach = value(7) != 0,
+          .late = value(8) != 0 ? std::optional(value(8) - 1) : std::nullopt};
 }
 
 SharedMemory::SharedMemory(Descriptor fd, std::size_t size) : fd_(std::move(fd)), size_(size) {

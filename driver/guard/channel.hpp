@@ -69,9 +69,9 @@ class Tally {
 
  private:
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
-  /// In the order of the hand-overs: drives, then plans of each; then the drives that came too soon, and whether the
-  /// board is out of reach.
-  std::array<std::atomic<std::uint64_t>, 8> values_;
+  /// In the order of the hand-overs: drives, then plans of each; then the drives that came too soon, whether the
+  /// board is out of reach, and one more than the frames that were late, or 0.
+  std::array<std::atomic<std::uint64_t>, 9> values_;
 };
 
 /// The shared memory: the guard's Brief, drives, and plans if the board plays any.

@@ -239,7 +239,7 @@ class Case:
             return draw.choice(what) if draw.random() < 0.95 else draw.choice(NUMBERS)
         if name == "--link":
             return self.one_of("null", lambda: f"record:{self.out('.bin')}", "foci:udp:127.0.0.1:9", "foci:udp:nowhere.invalid:9", "foci:udp:127.0.0.1:99999",
-                                "openmpd:NO-SUCH-BOARD", "autd3:127.0.0.1:1", f"{SERIAL}:/dev/null", "record:", "", "x:y")
+                                "openmpd:NO-SUCH-BOARD", "autd3:127.0.0.1:1", "autd3-udp:nowhere", "autd3-udp:[::1]:1", f"{SERIAL}:/dev/null", "record:", "", "x:y")
         if name == "--events":
             return self.one_of(lambda: self.out(".jsonl"), "-", "udp:127.0.0.1:9", "udp:", "udp:127.0.0.1:0")
         if name == "--record":

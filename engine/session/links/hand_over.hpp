@@ -39,6 +39,8 @@ struct Carried {
   std::uint64_t starting = 0;
   /// The device takes nothing at the moment, for example because it was unplugged. It plays on what it has.
   bool out_of_reach = false;
+  /// Frames that a device carried out after their time, as it says itself after the last drive. Empty: it does not say.
+  std::optional<std::uint64_t> late;
   /// How the system schedules the process that holds the board.
   Scheduling guard_scheduling = Scheduling::unknown;
 };

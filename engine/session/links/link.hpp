@@ -99,6 +99,8 @@ struct LinkKind {
   std::function<double(const std::string& argument, const array::Layout& layout)> least_moving_slot_s{};
   bool plays_plans = false;  ///< as Link::plays_plans()
   bool takes_steps = false;  ///< the link uses LinkSetting::steps
+  /// If plays_plans: the shortest slot of drives that no plan lists. Empty: no limit.
+  std::function<double(const array::Layout& layout)> single_drive_s{};
 };
 
 /// `null`, `record`, `foci`.

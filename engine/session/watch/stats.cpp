@@ -34,6 +34,7 @@ void add_hand_over(JsonWriter& json, const HandOver& counts) {
         json.member("guard", (*behind.guard).*what).member("submitted", behind.submitted.*what);
         json.member("completed", behind.completed.*what);
         if (drives) json.member("starting", behind.starting);
+        if (drives && behind.late) json.member("late", *behind.late);
       } else {
         json.member("played", behind.completed.*what);
       }

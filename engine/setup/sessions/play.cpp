@@ -25,9 +25,6 @@
 namespace palpa::setup {
 namespace {
 
-/// In which an AUTD3 server takes a drive that stands in no pattern.
-constexpr double single_drive_s = 2e-3;
-
 bool is_record(const std::string& link) {
   return session::parse_spec(link).name == "record";
 }
@@ -210,11 +207,13 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
   playing->setting.listed = kind.plays_plans && goes_ahead(o, layout);
   double least_s = at_least(session::least_moving_slot_s(o.link, links, layout), period_s);
   if (least_s > 0) least_s = std::ceil(1e3 * least_s - 1e-6) * 1e-3;
-  if (kind.plays_plans && !playing->setting.listed) least_s = std::max(least_s, single_drive_s);
+  const double single_s =
+      kind.plays_plans && !playing->setting.listed && kind.single_drive_s ? kind.single_drive_s(layout) : 0;
+  least_s = std::max(least_s, single_s);
   const double usual_s = usual_slot(fastest_hz, period_s);
   double& slot_s = playing->setting.output.slot_s;
   slot_s = o.dwell_s.value_or(std::max(usual_s, least_s));
-  if (kind.plays_plans && !playing->setting.listed) {
+  if (single_s > usual_s) {
     log::warning(fmt::format(
         "--link {}: with --amplitude distance or another --frequency, each drive is sent by itself, every {:g} ms",
         o.link, 1e3 * slot_s));

@@ -295,6 +295,21 @@ TEST(Autd3UdpBoard, APlanOfLongSlotsIsSentDriveByDrive) {
   }
 }
 
+/// A guard passes no silent drive of a pattern on, so units make such a pause by their own clock.
+TEST(Autd3UdpBoard, APlanWithPausesIsWrittenAheadAlsoIfItsSlotsAreLong) {
+  ChainRig rig(5, 1);
+  rig.open();
+  rig.plan(4, [](std::size_t part, std::size_t t) { return part == 2 ? 0.0f : mixed(part, t); });
+  rig.pass(0.05);
+  MadeUpUnit& unit = rig.chain.units[0];
+  EXPECT_EQ(std::ranges::count(unit.commands, 0x12), 1);
+  EXPECT_EQ(unit.size[unit.bank], 4);
+  int silent = 0;
+  for (int part = 0; part < 4; ++part)
+    silent += std::ranges::all_of(unit.banks[unit.bank][part], [](const auto& one) { return one.second == 0; }) ? 1 : 0;
+  EXPECT_EQ(silent, 1);
+}
+
 TEST(Autd3UdpBoard, AModulationIsPlayedFromTheUnitsMemory) {
   for (const int protocol : protocols_there) {
     ChainRig rig(protocol, 2);
