@@ -398,7 +398,7 @@ class Autd3Board final : public Board {
   bool can_be_foci() const {
     const std::span<const Vec3> foci = loading_.foci();
     if (!loading_.even() || foci.size() < 2 || foci.size() > most_foci) return false;
-    if (sound_speed_m_s_ > most_sound_speed_m_s || layout_.frequency_hz != period_hz) return false;
+    if (sound_speed_m_s_ > most_sound_speed_m_s) return false;
     // Devices get the speed in steps, which matter if it is low and the way long.
     constexpr double most_turns_off = 2.0 / 256;
     const double told_m_s = std::round(sound_speed_m_s_ * sound_speed_steps) / sound_speed_steps;
