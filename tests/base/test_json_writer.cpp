@@ -85,7 +85,9 @@ JsonRows<Things> rows_of_things() {
       .value("radii", [](const Things& t) { return std::views::transform(t.balls, &Ball::radius); })
       .value("sums", [](const Things& t) { return t.sums.empty() ? nullptr : &t.sums; })
       .value("pairs",
-             [](const Things& t) { return t.sums.empty() ? std::nullopt : std::optional(std::vector{t.sums}); })
+             [](const Things& t) {
+               return t.sums.empty() ? std::nullopt : std::optional(std::vector<std::vector<double>>{t.sums});
+             })
       .object("best", ball, [](const Things& t) { return t.best ? &*t.best : nullptr; });
 }
 
