@@ -24,6 +24,7 @@
 #include "setup/tasks/background.hpp"
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/decompose.hpp"
+#include "setup/tasks/drive.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
 #include "values/arrays.hpp"
@@ -292,6 +293,14 @@ void add_tasks(py::module_& m) {
   add_parts(m);
   add_calibration(m);
   add_background(m);
+  m.def(
+      "_paths",
+      [] {
+        py::dict all;
+        all["drive"] = setup::drive_rows().paths();
+        return all;
+      },
+      "The paths of the values in the JSON of commands, for plans of sweeps: # is the index of an entry of a list.");
 }
 
 }  // namespace palpa::python

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "array/layouts/board_types.hpp"
 #include "base/error.hpp"
 
 namespace palpa::driver::autd3 {
@@ -89,6 +90,8 @@ ModulationSamples modulation_samples(double hz, array::Modulation modulation, do
     out.samples.fill(255);
     return out;
   }
+  static const array::BoardType& type = *array::find_board_type("autd3");
+  out.divider = static_cast<std::uint16_t>(std::lround(type.modulation_slot_s(hz) * period_hz));
   const double rate_hz = period_hz / out.divider;
   double least = 1;
   for (std::size_t count = 2; count <= out.samples.size(); ++count) {

@@ -77,8 +77,8 @@ class PartOffset {
   bool known_ = false;
 };
 
-/// One modulation as devices play it: samples of `divider` periods each, in whole cycles as near to `hz` as 254 samples
-/// allow.
+/// One modulation as devices play it: samples of `divider` periods each (BoardType::modulation_slot_s), in whole cycles
+/// as near to `hz` as 254 samples allow.
 struct ModulationSamples {
   std::uint16_t divider = 10;
   std::size_t count = 0;

@@ -246,14 +246,19 @@ class SonicSurface final : public Board {
       fall_silent(own_off_);
       return true;
     }
-    // Only behind a silent front buffer can a pattern be written without being heard half-written.
-    if (differs && front_off_ && (silent_ || now_s >= loaded_s_ + refresh_s)) {
+    // Only behind a silent front buffer can a pattern be written without being heard half-written. It is heard when it
+    // is there: if the pauses are long enough for it, it comes at the end of one.
+    const double frame_s = seconds_of(still_.size());
+    const bool fits = 0.5 / hz_ > frame_s;
+    const double begin_s = fits ? toggle_s_ - frame_s : now_s;
+    const bool in_time = now_s >= begin_s && now_s < begin_s + frame_s / 4;
+    if (differs && front_off_ && (silent_ || (in_time && now_s >= loaded_s_ + refresh_s))) {
       load(still_, now_s, Load::plan);
       toggle_s_ = line_free_s_ + 0.5 / hz_;
       return true;
     }
     if (now_s < toggle_s_) {
-      wake_at(toggle_s_);
+      wake_at(differs && front_off_ && now_s < begin_s ? begin_s : toggle_s_);
       return false;
     }
     std::swap(front_off_, back_off_);

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "array/layouts/board_types.hpp"
+
 namespace palpa::array {
 
 std::string implausible_place(const Layout& layout, const Box& box) {
@@ -25,6 +27,12 @@ std::string implausible_place(const Layout& layout, const Box& box) {
 }
 
 std::string implausible_frequency(const Layout& layout, double hz) {
+  if (!layout.boards.empty() && hz != board_frequency_hz) {
+    return fmt::format(
+        "the boards of {} emit {:g} kHz only; transducers that emit {:.4g} kHz stand in a layout of "
+        "your own, without [[unit]]",
+        layout.name, board_frequency_hz / 1e3, hz / 1e3);
+  }
   if (std::abs(hz - layout.frequency_hz) <= layout.frequency_hz / 2) return {};
   return fmt::format("{:.4g} kHz is far from the {:.4g} kHz that the transducers of {} are made for", hz / 1e3,
                      layout.frequency_hz / 1e3, layout.name);

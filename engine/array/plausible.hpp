@@ -17,7 +17,8 @@ inline constexpr double most_plausible_distance_m = 2;
 /// array, ...". Empty if there is no reason: some of the box is in front of a transducer and near enough to one.
 std::string implausible_place(const Layout& layout, const Box& box);
 
-/// Why the frequency does not suit the layout; empty within half of Layout::frequency_hz.
+/// Why the frequency does not suit the layout: boards emit another one, or it differs by more than half from
+/// Layout::frequency_hz. Empty if it suits.
 std::string implausible_frequency(const Layout& layout, double hz);
 
 }  // namespace palpa::array

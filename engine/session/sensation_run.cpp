@@ -157,12 +157,13 @@ class SensationPlanner final : public Planner {
 void SensationPlanner::take_changes() {
   sensation_.take_changes();
   const double hz = sensation_.fastest_hz();
-  too_fast_ = !(hz <= sensation::most_hz);
+  const double most_hz = std::min(sensation::most_hz, 1 / (least_places * setting_.output.slot_s));
+  too_fast_ = !(hz <= most_hz);
   if (too_fast_ && !std::exchange(warned_, true)) {
     log::warning(
         fmt::format("the sensation now has a brush or a modulation of {:g} Hz; palpa plays at most {:g} Hz: it "
                     "is silent until it is slower",
-                    hz, sensation::most_hz));
+                    hz, most_hz));
   }
   // The sensation that a run begins with has been looked at before.
   const bool first = !std::exchange(looked_, true);

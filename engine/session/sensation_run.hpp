@@ -49,8 +49,8 @@ class PlaceWatch {
   bool far_ = false, odd_ = false;
 };
 
-/// With fewer, a turn of a brush or a modulation is coarse.
-inline constexpr double few_places = 4;
+/// With fewer, a turn of a brush or a modulation is coarse; with less than two, another frequency would play.
+inline constexpr double few_places = 4, least_places = 2;
 /// Infinite for 0 Hz.
 inline double places_in_a_turn(double hz, double slot_s) {
   return 1 / (slot_s * hz);
@@ -62,7 +62,7 @@ inline constexpr std::uint32_t listed_slots = 72;
 /// Plays in run_loop until the sensation or its time ends, `stop` becomes true or something fails; the last drive that
 /// `link` gets is all-zero, whatever happens. Errors of any thread are thrown here, after silence. Points that cannot
 /// be driven, or are out of the array's reach, are warned of once; so is a sensation that has become faster than
-/// sensation::most_hz, and is silent as long as it is.
+/// sensation::most_hz, or has less than least_places in a turn, and is silent as long as it is.
 OutputStats run_sensation(sensation::Sensation& sensation, SensationControl& control, Link& link,
                           const SensationSetting& setting, std::atomic<bool>& stop, RunObserver& observer = no_observer,
                           const Clock& clock = real_clock());

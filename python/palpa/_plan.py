@@ -84,7 +84,8 @@ def path_of(name, value):
     return text
 
 
-# The JSON of each command with all that a case may have: 0 is a single value, a list has one entry for all of them.
+# The JSON of each command with all that a case may have: 0 is a single value, a list has one entry for all of them. The engine has
+# the paths of the others (_paths).
 NUMBERS, LISTS = [0], [[0]]
 SCHEDULE = {"order": [0, LISTS[0]], "dwell_s": 0}
 TUNE = {"perimeter_m": 0, "foci": 0, "stride": 0, "dwell_s": 0, "field": 0, "felt_share_before": 0, "felt_share": 0,
@@ -107,12 +108,6 @@ DOCUMENTS = {
             "schedule": SCHEDULE, "indices": NUMBERS, "centroid_m": NUMBERS, "axes": LISTS, "eigenvalues_m2": NUMBERS,
             "foci_m": LISTS, "focus_points": NUMBERS, "gain": 0, "asked_pa": 0, "pressure_pa": 0,
             "pressures_pa": NUMBERS}],
-    },
-    "drive": {
-        "solution": SOLUTION, "layout": 0, "transducers": 0, "sound_speed_m_s": 0, "frequency_hz": 0, "foci_m": LISTS,
-        "aimed_m": LISTS, "gains": NUMBERS, "pressures_pa": NUMBERS, "over_free_field": NUMBERS,
-        "weakest_to_strongest": 0, "unresolved_pairs": LISTS, "amplitudes": NUMBERS, "phases_rad": NUMBERS,
-        "spread": DRAWS | {"pressures_pa": LISTS, "weakest_to_strongest": NUMBERS},
     },
     "field": {
         "points": 0, "peak_pa": 0, "peak_m": NUMBERS, "sound_speed_m_s": 0, "density_kg_m3": 0,
@@ -164,7 +159,7 @@ def paths(document, path=""):
 
 @functools.lru_cache
 def paths_of(command):
-    return paths(DOCUMENTS[command])
+    return _engine._paths().get(command) or paths(DOCUMENTS[command])
 
 
 def path_fault(command, path):

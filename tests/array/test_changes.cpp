@@ -88,7 +88,11 @@ TEST(Changes, FociThatStandStillHaveShortSlotsWhereTheBusCarriesTheirSteps) {
     EXPECT_EQ(still_slot_s(boards_of(type.name, 1)), &type == openmpd ? 0.3e-3 : 0) << type.name;
   EXPECT_EQ(still_slot_s(boards_of("another", 1)), 0);
   EXPECT_EQ(still_slot_s({}), 0);
-  EXPECT_EQ(autd3->modulation_slot_s, 0.25e-3);
+  for (const double hz : {15.75, 200.0, 1000.0})
+    EXPECT_EQ(autd3->modulation_slot_s(hz), 0.25e-3) << hz;
+  EXPECT_DOUBLE_EQ(autd3->modulation_slot_s(10), 0.4e-3) << "250 samples of a cycle";
+  EXPECT_DOUBLE_EQ(autd3->modulation_slot_s(5), 0.8e-3);
+  EXPECT_DOUBLE_EQ(autd3->modulation_slot_s(1), 4e-3);
 }
 
 }  // namespace

@@ -140,6 +140,10 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
       {"transducer_radius_m = -1\n",
        "line 1: transducer_radius_m is -1; it must be above 0 and at most 0.1 m, such as 0.0045"},
       {"frequency_hz = 40\n", "line 1: frequency_hz is 40, expected 1000 to 10000000"},
+      {"frequency_hz = 45e3\n" + unit("type = \"openmpd\""),
+       "line 1: frequency_hz is 45000, but the boards of [[unit]] emit 40000 Hz only; transducers with another "
+       "frequency "
+       "are [[transducer]] tables"},
       {transducer("[0, 0, 1]") + transducer("[0, 0, 1]", "[0, 1, 0]"),
        "line 4: transducers 0 and 1 are at the same place"},
   };

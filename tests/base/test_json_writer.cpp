@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <ranges>
 #include <string>
 #include <vector>
 
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 
 namespace palpa {
@@ -58,6 +61,46 @@ TEST(JsonWriter, KeepsItsStorageFromDocumentToDocument) {
     EXPECT_TRUE(round == 0 || text.data() == storage);
     storage = text.data();
   }
+}
+
+struct Ball {
+  glm::vec3 centre{0};
+  double radius = 0;
+};
+struct Things {
+  std::string name;
+  std::vector<Ball> balls;
+  std::vector<double> sums;
+  std::optional<Ball> best{};
+};
+
+JsonRows<Things> rows_of_things() {
+  const auto ball =
+      JsonRows<Ball>().value("centre", [](const Ball& b) { return b.centre; }).value("radius", [](const Ball& b) {
+        return b.radius;
+      });
+  return JsonRows<Things>()
+      .value("name", [](const Things& t) { return std::string_view(t.name); })
+      .objects("balls", ball, [](const Things& t) { return &t.balls; })
+      .value("radii", [](const Things& t) { return std::views::transform(t.balls, &Ball::radius); })
+      .value("sums", [](const Things& t) { return t.sums.empty() ? nullptr : &t.sums; })
+      .value("pairs",
+             [](const Things& t) {
+               return t.sums.empty() ? std::nullopt : std::optional(std::vector<std::vector<double>>{t.sums});
+             })
+      .object("best", ball, [](const Things& t) { return t.best ? &*t.best : nullptr; });
+}
+
+TEST(JsonRows, TheTextAndThePathsComeFromOneList) {
+  const JsonRows<Things> rows = rows_of_things();
+  EXPECT_EQ(rows.paths(), (std::vector<std::string>{"name", "balls.#.centre.#", "balls.#.radius", "radii.#", "sums.#",
+                                                    "pairs.#.#", "best.centre.#", "best.radius"}));
+  EXPECT_EQ(rows.text({"a", {{{1, 2, 3}, 0.5}}, {}, {}}),
+            "{\n  \"name\": \"a\",\n  \"balls\": [{\"centre\": [1, 2, 3], \"radius\": 0.5}],\n  \"radii\": [0.5]\n}\n");
+  EXPECT_EQ(
+      rows.text({"b", {}, {0.25, 1}, Ball{{0, 0, 1}, 2}}),
+      "{\n  \"name\": \"b\",\n  \"balls\": [],\n  \"radii\": [],\n  \"sums\": [0.25, 1],\n  \"pairs\": [[0.25, 1]],\n"
+      "  \"best\": {\n    \"centre\": [0, 0, 1],\n    \"radius\": 2\n  }\n}\n");
 }
 
 }  // namespace

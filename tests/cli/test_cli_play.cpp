@@ -155,9 +155,9 @@ TEST(Play, AStopEndsIt) {
   const std::string long_one = pattern_file("long", stopping(500'000 * 0.05));
   EXPECT_EQ(play(long_one + " --dwell 0.05ms --csv /dev/null").exit_code, 0);
   EXPECT_EQ(play(pattern_file("longer", stopping(500'001 * 0.05)) + " --dwell 0.05ms --csv /dev/null").exit_code, 2);
-  const Result slow = play("point --dwell 50ms --duration 1000.05s --csv /dev/null");
+  const Result slow = play("lateral --dwell 50ms --duration 1000.05s --csv /dev/null");
   EXPECT_EQ(slow.exit_code, 2);
-  EXPECT_CONTAINS(slow.err, "point plays for more than 20000 slots of 50 ms: give a --duration of at most 1000s");
+  EXPECT_CONTAINS(slow.err, "lateral plays for more than 20000 slots of 50 ms: give a --duration of at most 1000s");
 }
 
 TEST(Play, RefusesMoreThan500Hz) {
@@ -165,9 +165,19 @@ TEST(Play, RefusesMoreThan500Hz) {
   const Result faster = play(pattern_file("faster", turning(500.5)) + " --duration 5ms --csv -");
   EXPECT_EQ(faster.exit_code, 4);
   EXPECT_CONTAINS(faster.err, "has a brush or a modulation of 500.5 Hz; palpa plays at most 500 Hz");
-  const Result coarse = play(pattern_file("coarse", turning(100)) + " --duration 50ms --dwell 10ms --csv /dev/null");
+  const std::string at_100 = pattern_file("coarse", turning(100));
+  const Result coarse = play(at_100 + " --duration 50ms --dwell 5ms --csv /dev/null");
   EXPECT_EQ(coarse.exit_code, 0);
-  EXPECT_CONTAINS(coarse.err, "--dwell 10 ms: one turn of 100 Hz has 1 places; give at most 0.625 ms");
+  EXPECT_CONTAINS(coarse.err, "--dwell 5 ms: one turn of 100 Hz has 2 places; give at most 0.625 ms");
+  const Result another = play(at_100 + " --duration 50ms --dwell 5.1ms --csv /dev/null");
+  EXPECT_EQ(another.exit_code, 2);
+  EXPECT_CONTAINS(another.err, "places of 5.1 ms cannot follow it: give a --dwell of at most 0.625 ms");
+  const Result slow = play(at_100 + " --link sonicsurface:/dev/null");
+  EXPECT_EQ(slow.exit_code, 2);
+  EXPECT_CONTAINS(slow.err, "takes so long for each, so a sensation has at most 41.7 Hz there");
+  const Result other = play("circle --duration 5ms --layout openmpd --frequency 45kHz --link record:/dev/null");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_CONTAINS(other.err, "--frequency: the boards of openmpd emit 40 kHz only");
 }
 
 TEST(Play, SaysWhatIsWrong) {

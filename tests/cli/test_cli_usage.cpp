@@ -4,6 +4,7 @@
 #include "cli/support/here.hpp"
 #include "cli/support/process.hpp"
 #include "cli/support/told.hpp"
+#include "support/files.hpp"
 #include "support/instrumented.hpp"
 #include "support/shared_data.hpp"
 #include "support/thrown.hpp"
@@ -102,9 +103,14 @@ TEST(Usage, WhatCanHardlyBeMeantIsWarnedOfInOneLine) {
                 {{{"0,0,1.99m"}, ""},
                  {{"0,0,2.1m"}, "--focus: '0,0,2.1m' lies 2.1 m from the nearest transducer"},
                  {{"0,0,-1mm"}, "--focus: '0,0,-1mm' lies behind the array"}});
-  expect_warned(with(drive, {"--frequency"}), {{{"60kHz"}, ""},
-                                               {{"60.1kHz"}, "--frequency: 60.1 kHz is far from the 40 kHz"},
-                                               {{"19.9kHz"}, "--frequency: 19.9 kHz is far from the 40 kHz"}});
+  const std::filesystem::path bare = scratch_folder("cli_usage_bare") / "bare.toml";
+  write_text(bare, "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n");
+  expect_warned({"drive", "--layout", bare, "--backend", "cpu", "--focus", "0,0,0.15", "--frequency"},
+                {{{"60kHz"}, ""},
+                 {{"60.1kHz"}, "--frequency: 60.1 kHz is far from the 40 kHz"},
+                 {{"19.9kHz"}, "--frequency: 19.9 kHz is far from the 40 kHz"}});
+  expect_warned(with(drive, {"--frequency"}),
+                {{{"40kHz"}, ""}, {{"45kHz"}, "--frequency: the boards of openmpd emit 40 kHz only"}});
 }
 
 TEST(Usage, VersionGoesToStdoutAndQuietSaysNothing) {

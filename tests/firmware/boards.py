@@ -1,5 +1,9 @@
-"""boards.py: what a test must know of the boards to read their outputs, from palpa's pages and from the makers' own files."""
+"""boards.py: what a test must know of the boards to read their outputs, from palpa's pages and from the makers' own files.
+
+`places`: where the transducers of the wire's slots are, seen from the side that emits: x to the right, y up, in metres.
+"""
 import ast
+import pathlib
 import re
 
 import numpy as np
@@ -22,6 +26,8 @@ class OpenMpd:
         x, y = np.divmod(np.arange(256), 16)
         within = np.array([[1, 5], [0, 4], [3, 6], [2, 7]])
         self.slot = 64 * (3 - x // 4) + 8 * (7 - y // 2) + within[x % 4, y % 2]
+        self.places = np.empty((256, 2))
+        self.places[self.slot] = np.stack([x - 7.5, 7.5 - y], -1) * 10.5e-3
 
     def widths(self, amplitudes, loudest):
         """The lowest and the highest width that an amplitude may have: the nearest one that is not above the loudest amplitude of
@@ -49,6 +55,8 @@ class SonicSurface:
         row, column = np.divmod(np.arange(256), 16)
         within = np.array([[0, 4], [7, 3], [1, 6], [2, 5]])
         self.slot = 64 * (column // 4) + 8 * (row // 2) + within[column % 4, row % 2]
+        self.places = np.empty((256, 2))
+        self.places[self.slot] = np.stack([column - 7.5, row - 7.5], -1) * 10.5e-3
 
     def widths(self, amplitudes, _):
         width = np.where(amplitudes > 0, self.full_width, 0)
@@ -75,3 +83,19 @@ def makers_places(program):
             places -= (places.max(0) + places.min(0)) / 2  # some of their numbers are from another origin
             return places[:, [0, 2]] * [1, -1]
     raise ValueError("the makers' program has no EMITTERS_POS")
+
+
+def files_of_boards(folder):
+    """{name: the places of the wire's slots} of the makers' files of OpenMPD boards. A file has a serial number, 256, 128; then of each
+    transducer a place (x, y, z); its pin, which is its slot; an offset of its phase; a factor of its amplitude. Lines break anywhere."""
+    found = {}
+    for file in sorted(pathlib.Path(folder).rglob("*board_*.pat*")):
+        numbers = [float(word) for word in re.findall(r"[-+.\deE]+", file.read_text().split("\n", 1)[1])]
+        if len(numbers) < 2 + 4 * 256 or numbers[0] != 256:
+            raise ValueError(f"{file}: is no file of a board")
+        places, pins = np.array(numbers[2:2 + 3 * 256]).reshape(256, 3), np.array(numbers[2 + 3 * 256:2 + 4 * 256], int)
+        if sorted(pins) != list(range(256)) or places[:, 2].any():
+            raise ValueError(f"{file}: its pins are not 0 to 255, or not all places are in the plane")
+        found[file.name] = np.empty((256, 2))
+        found[file.name][pins] = places[:, :2]
+    return found

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""cases.py WORK PALPA [--openmpd] [--sonicsurface CLONE]: plays palpa's bytes in the simulators that run.sh built in WORK.
+"""cases.py WORK PALPA [--openmpd [--boards DIR]] [--sonicsurface CLONE]: plays palpa's bytes in the simulators that run.sh built
+in WORK.
 
 A row per case and board: runs of equal periods; pulses that were compared, and how many of them differ from the intended drive;
 periods in which the outputs change; runs that show no drive; by how many steps the slots 3 modulo 8 are late; rms difference of
@@ -13,11 +14,11 @@ import sys
 
 import numpy as np
 
-from boards import OpenMpd, SonicSurface, Tactile, makers_places
-from compare import Comparison, wrap
+from boards import OpenMpd, SonicSurface, Tactile, files_of_boards, makers_places
+from compare import Comparison, between, loudest, on_or_off, wrap
 from damage import OPENMPD_DAMAGES, SONICSURFACE_DAMAGES, damage_openmpd, damage_sonicsurface, single_slots
 from pins import Pins
-from places import loudest_place
+from places import heard_place
 from play import Player, line_end, wire_bytes
 from still import ROOT, focus_of, write_pair, write_recording, write_rig
 
@@ -78,6 +79,22 @@ class Stage:
     def one_by_one(self, found, sent):
         self.expect(found.shown == len(sent) and found.shown >= 64, f"link test: {found.shown} transducers sound alone, and palpa sent {len(sent)}")
 
+    def check_places(self, board, makers):
+        """Where palpa has the transducers; `makers`: where their makers have those of the wire's slots."""
+        file = self.work / "drive.csv"
+        subprocess.run([self.player.palpa, "drive", "--layout", board.kind, "--focus", "0,0,0.1", "--csv", file, "--quiet"], check=True)
+        palpas = np.loadtxt(file, delimiter=",", skiprows=1)[:, 1:3]
+        right = int((np.abs(palpas - makers[board.slot]).max(1) < 0.5e-3).sum())
+        print(f"    {right} of 256 transducers are where the makers have them, seen from the side that emits")
+        self.expect(right == 256, f"{256 - right} transducers are not where the makers have them")
+
+    def check_focus(self, comparison, makers):
+        """Where a single focus sounds, by the makers' places."""
+        place = heard_place(comparison, makers)
+        asked, heard = (", ".join(f"{1000 * c:.1f}" for c in where) for where in (FOCUS_M, place))
+        print(f"    a focus asked for at ({asked}) mm sounds at ({heard}) mm")
+        self.expect(np.abs(place - FOCUS_M).max() < 2e-3, f"the focus for ({asked}) mm sounds at ({heard}) mm")
+
     def lag(self, name, first, second, board, most):
         lag = wrap(second.delay - first.delay, board.steps)
         print(f"    {name}: the further board is {lag:+.2f} of {board.steps} steps later ({25 * lag / board.steps:+.2f} us); "
@@ -95,46 +112,34 @@ def one_by_one():
 # ---- OpenMPD --------------------------------------------------------------------------------------------------------
 
 
-def between(drives, steps):
-    """Each drive, and what is in equal steps on the shortest way from each to each."""
-    everything = [drives]
-    for a in drives:
-        for b in drives:
-            if a is not b:
-                way = wrap(b[:, 1] - a[:, 1], 2 * np.pi)
-                everything += [np.stack([a[:, 0] + (b[:, 0] - a[:, 0]) * part, a[:, 1] + way * part], -1)[None]
-                               for part in (np.arange(1, steps) / steps)]
-    return np.concatenate(everything)
-
-
-def loudest(drives):
-    """The distinct drives without those that a ramp makes quieter."""
-    peak = drives[:, :, 0].max(1)
-    return drives[peak > 0.999 * peak.max()]
-
-
-def openmpd_cases(stage):
+def openmpd_cases(stage, files):
     board, rig = OpenMpd(), stage.rig("openmpd")
-    print("\nOpenMPD, firmware 3.4.2")
+    for name, places in files.items():
+        stage.expect(np.abs(places - board.places).max() < 1e-6, f"{name} has other places or pins than boards.py")
+    print("\nOpenMPD, firmware 3.4.2; places and pins " + (f"of {len(files)} files of the makers" if files else "as in boards.py"))
     print(ROW.format("case", "runs", "pulses", "different", "mixed", "no drive", "late", "rms", "focus", "drives"))
 
-    def case(name, words, scaled=False, steps=1, frames=12):
-        trace, drives = stage.player.run("openmpd", "openmpd:EMU1", rig, words, frames)
+    jumps = ("--steps", "off")
+
+    def case(name, words, of_link=jumps, scaled=False, steps=1, frames=12):
+        trace, drives = stage.player.run("openmpd", "openmpd:EMU1", rig, words, frames, of_link=of_link)
         wire = wire_bytes(trace)
         pins = stage.simulate("openmpd", board, [wire], 5e-3)[0]
         if scaled:
             drives = between(loudest(drives), steps)
-        stage.row(name, Comparison(board, pins, drives, scaled).result())
-        return wire, drives
+        comparison = Comparison(board, pins, drives, scaled)
+        stage.row(name, comparison.result())
+        return wire, drives, comparison
 
-    jumps = ["--steps", "off"]
-    wire, drives = case("--steps off", jumps, frames=30)
-    case("default", [], scaled=True, steps=14)
-    case("--ceiling 0.8", ["--ceiling", "0.8", *jumps])
-    case("--amplitude uniform", ["--amplitude", "uniform", *jumps])
-    case("--method single-focus", ["--method", "single-focus", *jumps])
-    case("--ramp 20ms", ["--ramp", "20ms", *jumps], scaled=True, steps=7)
-    case("--dwell 0.1ms", ["--dwell", "0.1ms"])
+    *_, comparison = case("--method single-focus", ["--method", "single-focus"])
+    stage.check_places(board, board.places)
+    stage.check_focus(comparison, board.places)
+    wire, drives, _ = case("--steps off", [], frames=30)
+    case("default", [], of_link=(), scaled=True, steps=14)
+    case("--ceiling 0.8", ["--ceiling", "0.8"])
+    case("--amplitude uniform", ["--amplitude", "uniform"])
+    case("--ramp 20ms", ["--ramp", "20ms"], scaled=True, steps=7)
+    case("--dwell 0.1ms", ["--dwell", "0.1ms"], of_link=())
     test, sent = stage.link_test("openmpd", "openmpd:EMU1", ["--each", "4ms", "--rest", "2ms", "--dwell", "2ms"])
     found = Comparison(board, stage.simulate("openmpd", board, [test], 5e-3)[0], one_by_one()).result()
     stage.row("link test, one by one", found)
@@ -149,7 +154,7 @@ def openmpd_cases(stage):
     print(f"    the longest pulse is {found.widest} of 128 steps")
     stage.row("the next run after lost bytes", comparison.result(since_s=begin_s))
 
-    trace, drives = stage.player.run("openmpd", "openmpd:EMU1,EMU2", stage.rig("openmpd-pair"), jumps, 12, ("--serial", "EMU1,EMU2"))
+    trace, drives = stage.player.run("openmpd", "openmpd:EMU1,EMU2", stage.rig("openmpd-pair"), [], 12, ("--serial", "EMU1,EMU2"), jumps)
     wires = [wire_bytes(trace, serial) for serial in ("EMU1", "EMU2")]
     both = [Comparison(board, pins, drives[:, half], loudest=drives[:, :, 0].max(1)).result()
             for pins, half in zip(stage.simulate("openmpd_pair", board, wires, 5e-3), (slice(0, 256), slice(256, 512)))]
@@ -159,29 +164,6 @@ def openmpd_cases(stage):
 
 
 # ---- SonicSurface ---------------------------------------------------------------------------------------------------
-
-
-def on_or_off(drives):
-    """The distinct drives of boards without amplitudes."""
-    drives = drives.copy()
-    drives[:, :, 0] = drives[:, :, 0] > 0
-    return np.unique(drives, axis=0)
-
-
-def check_places(stage, comparison, rig, makers):
-    """Where the transducers and a single focus are, as the makers' coordinates have them."""
-    file = stage.work / "drive.csv"
-    subprocess.run([stage.player.palpa, "drive", "--layout", "sonicsurface", "--focus", "0,0,0.1", "--csv", file, "--quiet"], check=True)
-    palpas = np.loadtxt(file, delimiter=",", skiprows=1)[:, 1:3]
-    right = int((np.abs(palpas - makers[comparison.board.slot]).max(1) < 0.5e-3).sum())
-    print(f"    {right} of 256 transducers are where the makers have them, seen from the side that emits")
-    stage.expect(right == 256, f"{256 - right} transducers are not where the makers have them")
-    _, run = max((comparison.pins.count[run], run) for run in range(len(comparison.width))
-                 if not comparison.silent[run] and comparison.silent[:run].any())
-    place = loudest_place(makers, comparison.middle[run] / comparison.steps)
-    asked, heard = (", ".join(f"{1000 * c:.1f}" for c in where) for where in (FOCUS_M, place))
-    print(f"    a focus asked for at ({asked}) mm sounds at ({heard}) mm")
-    stage.expect(np.abs(place - FOCUS_M).max() < 2e-3, f"the focus for ({asked}) mm sounds at ({heard}) mm")
 
 
 def sonicsurface_cases(stage, clone):
@@ -212,7 +194,8 @@ def sonicsurface_cases(stage, clone):
         return comparison, found
 
     comparison, _ = case("default: a single focus at 200 Hz", "plain", board, *play("sonicsurface:{}", rig, single))
-    check_places(stage, comparison, rig, makers)
+    stage.check_places(board, makers)
+    stage.check_focus(comparison, makers)
     wire, drives = play("sonicsurface:{}", rig, moving, frames=48)
     case("--dwell 12ms", "plain", board, wire, drives)
     case("--amplitude uniform", "plain", board, *play("sonicsurface:{}", rig, [*single, "--amplitude", "uniform"]))
@@ -244,6 +227,7 @@ def main():
     parser.add_argument("work", type=pathlib.Path)
     parser.add_argument("palpa")
     parser.add_argument("--openmpd", action="store_true")
+    parser.add_argument("--boards", type=pathlib.Path)
     parser.add_argument("--sonicsurface", type=pathlib.Path)
     options = parser.parse_args()
     os.environ.setdefault("PALPA_ASSETS", str(ROOT / "assets"))  # for a palpa that lies elsewhere
@@ -251,7 +235,7 @@ def main():
     if options.sonicsurface:
         sonicsurface_cases(stage, options.sonicsurface)
     if options.openmpd:
-        openmpd_cases(stage)
+        openmpd_cases(stage, files_of_boards(options.boards) if options.boards else {})
     print(f"\ntest firmware: {stage.compared} pulses compared, {stage.different} different")
     for failure in stage.failures:
         print(f"test firmware: FAILED: {failure}")

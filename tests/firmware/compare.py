@@ -10,6 +10,31 @@ def wrap(steps, period):
     return (steps + period / 2) % period - period / 2
 
 
+def between(drives, steps):
+    """Each drive, and what is in equal steps on the shortest way from each to each."""
+    everything = [drives]
+    for a in drives:
+        for b in drives:
+            if a is not b:
+                way = wrap(b[:, 1] - a[:, 1], 2 * np.pi)
+                everything += [np.stack([a[:, 0] + (b[:, 0] - a[:, 0]) * part, a[:, 1] + way * part], -1)[None]
+                               for part in (np.arange(1, steps) / steps)]
+    return np.concatenate(everything)
+
+
+def loudest(drives):
+    """The distinct drives without those that a ramp makes quieter."""
+    peak = drives[:, :, 0].max(1)
+    return drives[peak > 0.999 * peak.max()]
+
+
+def on_or_off(drives):
+    """The distinct drives of boards without amplitudes."""
+    drives = drives.copy()
+    drives[:, :, 0] = drives[:, :, 0] > 0
+    return np.unique(drives, axis=0)
+
+
 @dataclasses.dataclass
 class Result:
     """All phases in steps. `delay`: how late the pulses of this board are, from the begin of the periods of the simulation."""

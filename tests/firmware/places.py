@@ -25,3 +25,10 @@ def loudest_place(places, turns_late):
         levels = np.concatenate([loudness(part, places, turns_late) for part in np.array_split(points, max(1, len(points) // 2000))])
         best, half = points[levels.argmax()], 2 * spacing
     return best
+
+
+def heard_place(comparison, places):
+    """Where a single focus sounds, by the run that is the longest and loudest; `places`: of the wire's slots."""
+    before = comparison.silent.cumsum() > 0  # some boards sound when they are switched on
+    run = max(np.flatnonzero(before & ~comparison.silent), key=lambda run: comparison.pins.count[run] * comparison.width[run].sum())
+    return loudest_place(places, comparison.middle[run] / comparison.steps)

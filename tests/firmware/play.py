@@ -41,12 +41,17 @@ def line_end(wire, baud):
 
 
 def read_drives(file, settled=20):
-    """The distinct sounding drives of a file that --link record:FILE or --drives wrote, amplitudes and phases, without its first slots."""
+    """The distinct sounding drives of a file that --link record:FILE or --drives wrote, amplitudes and phases, without its first slots.
+    Those of two frames of a resting finger differ by the rounding of floats, which no wire carries: they count as one."""
     with open(file, "rb") as stream:
         magic, version, transducers, _ = np.fromfile(stream, "S8,<u4,<u4,<f8", 1)[0]
         assert magic == b"palpadrv" and version == 1
         drives = np.fromfile(stream, [("slot", "<u8"), ("drive", "<f4", (transducers, 2))])["drive"]
-    return np.unique(drives[settled:][(drives[settled:, :, 0] > 0).any(1)], axis=0)
+    distinct, found = [], np.unique(drives[settled:][(drives[settled:, :, 0] > 0).any(1)], axis=0)
+    for drive, waves in zip(found, found[:, :, 0] * np.exp(1j * found[:, :, 1])):
+        if not any(np.abs(waves - other).max() < 1e-4 for _, other in distinct):
+            distinct.append((drive, waves))
+    return np.array([drive for drive, _ in distinct])
 
 
 def rests(trace, seconds=0.5):
@@ -88,10 +93,10 @@ class Player:
             raise RuntimeError(f"palpa {words[0]}: exit code {status}: {(folder / 'palpa.err').read_text()}")
         return folder / "wire.jsonl"
 
-    def run(self, kind, link, rig, words, frames=24, emulator=()):
-        """A live run with the resting finger: its trace, and the drives that it intends."""
+    def run(self, kind, link, rig, words, frames=24, emulator=(), of_link=()):
+        """A live run with the resting finger: its trace, and the drives that it intends. `of_link`: options of the link alone."""
         common = ["--scene", SCENE, "--source", f"recording:{self.recording}", "--rig", rig, "--smoothing", "none", "--backend", "cpu", *words]
-        trace = self.palpa_with_board(kind, emulator, link, ["run", *common, "--predict", "off", "--frames", str(frames)])
+        trace = self.palpa_with_board(kind, emulator, link, ["run", *common, *of_link, "--predict", "off", "--frames", str(frames)])
         file = trace.parent / "drives.bin"
         subprocess.run([self.palpa, "export", *common, "--predict-latency", "20ms", "--frames", "60", "--drives", file, "--quiet"], check=True, cwd=ROOT)
         return trace, read_drives(file)

@@ -1,28 +1,31 @@
 #!/usr/bin/env bash
-# run.sh [--openmpd DIR] [--sonicsurface DIR] [--palpa FILE]: the makers' own firmware of boards on the bytes that palpa sends.
+# run.sh [--openmpd DIR] [--openmpd-boards DIR] [--sonicsurface DIR] [--palpa FILE]: the makers' own firmware of boards on the
+# bytes that palpa sends.
 #
-# DIR is a clone of the makers' repository: OpenMPD_Hardware (PALPA_OPENMPD_HARDWARE), SonicSurface (PALPA_SONICSURFACE). None
-# of them is a part of palpa, and OpenMPD's has no licence. What is made of them lies in a scratch folder, which is deleted at
-# the end. GHDL makes Verilog of their VHDL, Verilator makes a program of that, and pins.hpp has the shift registers behind the
-# board. cases.py lets palpa play, and compares every pulse with the drive that palpa intended.
+# DIR is a clone of the makers' repository, with or without a work tree: OpenMPD_Hardware (PALPA_OPENMPD_HARDWARE), OpenMPD_Libs
+# with the files of their boards (PALPA_OPENMPD_LIBS; or a folder with such files), SonicSurface (PALPA_SONICSURFACE). They are
+# no parts of palpa, and OpenMPD's has no licence. What is made of them lies in a scratch folder, which is deleted at the end.
+# GHDL makes Verilog of their VHDL, Verilator makes a program of that, and pins.hpp has the shift registers behind the board.
+# cases.py lets palpa play, and compares every pulse with the drive that palpa intended. tests/python/test_board_bytes.py does the
+# same without the simulators, by the rules of boards.py and decoded.py.
 #
 # PALPA_FIRMWARE_KEEP: if set, the scratch folder stays.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
-openmpd=${PALPA_OPENMPD_HARDWARE-} sonicsurface=${PALPA_SONICSURFACE-} palpa=
+openmpd=${PALPA_OPENMPD_HARDWARE-} boards=${PALPA_OPENMPD_LIBS-} sonicsurface=${PALPA_SONICSURFACE-} palpa=
 die() {
   printf 'test firmware: %s\n' "$*" >&2
   exit 1
 }
 while (($#)); do
   case $1 in
-    --openmpd | --sonicsurface | --palpa)
+    --openmpd | --openmpd-boards | --sonicsurface | --palpa)
       [[ ${2-} ]] || die "$1 needs a path"
-      printf -v "${1#--}" %s "$2"
+      printf -v "${1##*-}" %s "$2"
       shift 2
       ;;
-    *) die "what is $1? Usage: ./dev test firmware [--openmpd DIR] [--sonicsurface DIR]" ;;
+    *) die "what is $1? Usage: ./dev test firmware [--openmpd DIR] [--openmpd-boards DIR] [--sonicsurface DIR]" ;;
   esac
 done
 if [[ -z $openmpd$sonicsurface ]]; then
@@ -51,10 +54,11 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/fw.XXXXXX") # short, because the names of sock
 verilated=$(verilator --getenv VERILATOR_ROOT)/include
 compile=(c++ -std=c++20 -O1 -w -I"$verilated" -I"$verilated/vltstd" -I"$here")
 
-# part DIR FILE...: these files of a clone in the scratch folder, also if they are only in its history.
+# part NAME DIR FILE...: these files of a clone in the scratch folder, also if they are only in its history. NAME is that of no
+# program.
 part() {
-  local from=$1 to=$work/${1##*/} file
-  shift
+  local to=$work/$1.clone from=$2 file
+  shift 2
   mkdir -p "$to"
   for file; do
     mkdir -p "$to/$(dirname "$file")"
@@ -104,7 +108,7 @@ firmware() {
 }
 arguments=()
 if [[ -n $sonicsurface ]]; then
-  clone=$(part "$sonicsurface" Firmware ControlSoftware)
+  clone=$(part sonicsurface "$sonicsurface" Firmware ControlSoftware)
   for each in primary:primary secondary:secondary "tactile:tactile modulation"; do
     firmware "${each%%:*}" "$clone/Firmware/FPGA ${each#*:}"
   done
@@ -117,7 +121,7 @@ fi
 
 # ---- OpenMPD: VHDL, with models of Altera's blocks ----
 if [[ -n $openmpd ]]; then
-  clone=$(part "$openmpd" FPGA_3.4.2/src)
+  clone=$(part openmpd "$openmpd" FPGA_3.4.2/src)
   folder=$clone/FPGA_3.4.2/src
   # GHDL wants the bounds of a constant that a case uses.
   sed -i -E 's/(constant\s+\w+\s*:\s*std_logic_vector)(\s*:=\s*"[01]{2}")/\1(1 downto 0)\2/I' "$folder/ParallelReceiver.vhd"
@@ -134,6 +138,18 @@ if [[ -n $openmpd ]]; then
   program openmpd openmpd.cpp openmpd_board
   ln -s openmpd "$work/openmpd_pair"
   arguments+=(--openmpd)
+  # The files of their boards, as text.
+  if [[ -n $boards ]]; then
+    mkdir "$work/boards"
+    if [[ -n $(find "$boards" -name 'board_*.pat' -print -quit) ]]; then
+      find "$boards" -name 'board_*.pat' -exec cp --backup=numbered {} "$work/boards" \;
+    else
+      git -C "$boards" ls-tree -r --name-only HEAD | grep '/board_[^/]*\.pat$' | while IFS= read -r file; do
+        git -C "$boards" show "HEAD:$file" >"$work/boards/$(tr / - <<<"$file")"
+      done || die "$boards has no board_*.pat"
+    fi
+    arguments+=(--boards "$work/boards")
+  fi
 fi
 
 /usr/bin/python3 "$here/cases.py" "$work" "$palpa" "${arguments[@]}"

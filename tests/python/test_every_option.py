@@ -56,7 +56,7 @@ LINES = {
     "export": {
         "": f"{EXPORT} --scene IN/two.glb", "directivity hysteresis solver": f"{EXPORT} --scene assets/prism.glb --method multi-focus",
         "modulation modulation-frequency": f"{EXPORT} --scene assets/prism.glb --method single-focus", "tune": f"{EXPORT} --scene assets/cube.glb --dwell 0.8ms",
-        "internal-faces parts": f"{EXPORT} --scene IN/two.glb {PARTS}",
+        "internal-faces parts": f"{EXPORT} --scene IN/two.glb {PARTS}", "frequency": f"{EXPORT} --scene IN/two.glb".replace("openmpd", "IN/bare.toml"),
         "noise-free rig seed": f"{EXPORT.replace(TAKE, 'synthetic')} --frames 2 --scene assets/cube.glb"},
     "decompose": {"": "decompose --scene IN/two.glb --parts 3 --resolution 10000 --out OUT/parts.glb"},
     "calibrate": {"": "calibrate --rig tests/cli/support/small_rig.toml --frames 2"},
@@ -141,6 +141,7 @@ def write_inputs(folder, sphere):
     octahedron = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
     palpa.write_ply(folder / "coarse.ply", 0.006 * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]) + [0, 0.006, 0], octahedron)
     write_ells(folder / "two.glb")
+    (folder / "bare.toml").write_text("".join(f"[[transducer]]\nposition_m = [{x}, 0, 0]\naxis = [0, 0, 1]\n" for x in (0, 0.02)))
     camera = (ROOT / "assets/depth/camera.toml").read_text()
     (folder / "camera.toml").write_text(camera.replace("fx = 400", "fx = 410"))
     (folder / "OUT").mkdir()

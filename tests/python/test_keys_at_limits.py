@@ -102,7 +102,7 @@ def test_of_a_screen(tmp_path, key):
 @pytest.mark.parametrize("key", LAYOUT)
 def test_of_a_layout(tmp_path, key):
     def read(value):
-        (tmp_path / "layout.toml").write_text(f"{key} = {toml(float(value))}\n[[unit]]\ntype = \"openmpd\"\nposition_m = [0, 0, 0]\nquaternion_wxyz = [1, 0, 0, 0]\n")
+        (tmp_path / "layout.toml").write_text(f"{key} = {toml(float(value))}\n[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n")
         return palpa.Layout(tmp_path / "layout.toml")
     right, wrong = values_of(*LAYOUT[key])
     for value in right:

@@ -26,6 +26,8 @@ def test_what_a_path_finds():
     ("touch", "fingers.0.spectrum.felt", "did you mean fingers.0.spectrum.f"), ("field", "timing_ms.total", "has no timing_ms.total"),
     ("field", "", "a case of field has no "), ("field", "peak_pa.max", "has no peak_pa.max"), ("drive", "count", "has no count"),
     ("touch", "fingers.0.foci_m.2.1", ""), ("touch", "fingers.count", ""), ("touch", "contacts.depths_m.mean", ""), ("touch", "contacts.min", "has no"),
+    ("drive", "nulls.1.place_m.2", ""), ("drive", "nulls.0.radius_m", ""), ("drive", "nulls.count", ""), ("drive", "nulls.0.loudest_pa", ""), ("drive", "nulls.0.depth_db", ""),
+    ("drive", "kept_with_nulls", ""), ("drive", "spread.nulls_pa.0.1", ""), ("drive", "solution.residual", ""), ("drive", "nulls.0.depth", "did you mean nulls.0.depth_db?"),
 ])
 def test_paths(name, path, says):
     assert says in path_fault(name, path) and bool(says) == bool(path_fault(name, path))

@@ -66,6 +66,7 @@ def lines_of(folder):
     "touch --scene assets/cube.glb --points assets/finger.ply --penetration 3mm --surface parts --parts 4 --internal-faces keep",
     "drive --layout openmpd --focus 0,0,15cm --focus 2cm,0,15cm,0.5 --solver greedy --seed 3",
     "drive --layout openmpd --focus 0,0,15cm --focus 1cm,0,15cm --spread amplitude=10%,phase=0.2 --draws 20 --seed 2",
+    "drive --layout openmpd --focus 0,0,15cm --focus 2mm,0,15cm --null 3cm,0,15cm,2mm --null 0,3cm,15cm --spread phase=0.2 --draws 20",
     pytest.param("drive --layout paper --focus 0,0.2mm,0 --transfer finger --mesh assets/finger.ply", marks=pytest.mark.slow),
     "field --layout openmpd --focus 0,0,15cm --plane xy --centre 0,0,15cm --size 3cm,2cm --pixels 9,6 --no-absorption --solver gs-pat",
     "field --layout openmpd --focus 0,0,15cm --line 0,0,14cm 0,0,16cm --samples 9 --spread amplitude=10% --draws 20 --temperature 25",

@@ -14,6 +14,7 @@
 #include "sensing/rig.hpp"
 #include "session/links/link.hpp"
 #include "session/links/safe_link.hpp"
+#include "setup/options/warnings.hpp"
 #include "setup/process/interrupt.hpp"
 #include "setup/sessions/load.hpp"
 #include "study/sitting/ear_level.hpp"
@@ -30,8 +31,11 @@ constexpr std::chrono::milliseconds longest_unseen{500};
 /// `dwell_ms`". Empty if there are none.
 std::string keys_of_options(std::string_view error) {
   std::string keys;
-  for (const auto& [option, key] :
-       {std::pair("--layout", "layout"), {"--dwell", "dwell_ms"}, {"--method", "method"}, {"--foci", "foci"}}) {
+  for (const auto& [option, key] : {std::pair("--layout", "layout"),
+                                    {"--dwell", "dwell_ms"},
+                                    {"--method", "method"},
+                                    {"--foci", "foci"},
+                                    {"--modulation-frequency", "modulation_hz"}}) {
     if (error.find(option) != std::string_view::npos)
       keys += fmt::format("{}{} is `{}`", keys.empty() ? "" : " and ", option, key);
   }
@@ -95,14 +99,17 @@ void take_layouts(study::StudyPlan& plan, const setup::StudyRunOptions& run, con
 
 void try_study_link(const study::StudyPlan& plan, const setup::StudyRunOptions& run, const LiveSession::Kinds& kinds) {
   const std::vector<session::LinkKind> links = setup::with_builtin(kinds.links);
-  std::set<std::tuple<std::string, double, bool>> tried;
+  std::set<std::tuple<std::string, double, double, bool>> tried;
   for (std::size_t m = 0; m < plan.methods.size(); ++m) {
     const setup::LiveOptions options = options_of_method(plan, m, run, "");
-    const bool foci_move = !touch::stands_still(options.touch.method.method);
-    if (!tried.emplace(plan.methods[m].layout, plan.methods[m].dwell_s, foci_move).second) continue;
+    const study::PlanMethod& method = plan.methods[m];
+    const bool foci_move = !touch::stands_still(method.method);
+    if (!tried.emplace(method.layout, method.dwell_s, foci_move ? 0 : method.modulation_hz, foci_move).second) continue;
     const setup::PlacedLayout placed = setup::load_placed_layout(options.rig);
     const array::Layout layout = array::transformed(placed.layout, placed.T_world_layout);
     try {
+      if (!foci_move && setup::plays_slot_by_slot(run.link, links))
+        setup::refuse_coarse_modulation(method.dwell_s, method.modulation_hz);
       const auto link = session::open_link(run.link, links,
                                            {.layout = layout,
                                             .solid_names = {},

@@ -115,6 +115,23 @@ Changes autd3_changes(const ChangeSetting& setting) {
           .silence_jumps = false};
 }
 
+/// 0.25 ms, or longer, so that the 254 samples of a message hold a cycle: one of these lengths that divides the
+/// cycle best, since it is played as a whole number of samples.
+double autd3_modulation_slot(double hz) {
+  constexpr double usual_periods = 10, most_periods = 65535, most_samples = 254;
+  const double least = std::ceil(board_frequency_hz / (most_samples * hz));
+  if (least <= usual_periods) return usual_periods / board_frequency_hz;
+  double best = std::min(least, most_periods), best_miss = 1;
+  for (double periods = best; periods <= std::min(1.125 * least, most_periods); ++periods) {
+    const double samples = board_frequency_hz / (periods * hz);
+    const double miss = std::abs(samples - std::round(samples)) / samples;
+    if (miss > best_miss - 1e-9) continue;
+    best_miss = miss;
+    best = periods;
+  }
+  return best / board_frequency_hz;
+}
+
 /// Frames of 0.1 ms, or of half a slot if that is shorter, during the slot except for its last frame.
 Changes openmpd_changes(const ChangeSetting& setting) {
   constexpr std::uint32_t usual_periods = 4;
@@ -145,7 +162,7 @@ constexpr BoardType types[] = {
      .null_depth = 0.00224,
      .amplitudes = autd3_amplitudes,
      .changes = autd3_changes,
-     .modulation_slot_s = 0.25e-3,
+     .modulation_slot_s = autd3_modulation_slot,
      .link_words = "a server's host and port, or autd3-udp with a network interface"},
     {.name = "openmpd",
      .title = "OpenMPD",

@@ -45,6 +45,9 @@ class AmplitudeSteps {
   std::array<std::uint8_t, entries + 1> below_{};  ///< the highest step not above i / entries
 };
 
+/// What every board emits: a firmware divides its clock to 40 kHz, and takes no other frequency.
+inline constexpr double board_frequency_hz = 40e3;
+
 struct BoardType {
   std::string_view name;   ///< in layouts, of its link and its emulator, and of the built-in layout of one board
   std::string_view title;  ///< for people
@@ -68,8 +71,9 @@ struct BoardType {
   bool may_jump = false;  ///< --steps off lets it jump
   /// The usual slot of foci that stand still; 0: that of others.
   double still_slot_s = 0;
-  /// It modulates foci that stand still by its own clock, in slots of at most this; 0: their drives are modulated.
-  double modulation_slot_s = 0;
+  /// It modulates foci that stand still by its own clock, in samples that last so long at this frequency. Null: their
+  /// drives are modulated.
+  double (*modulation_slot_s)(double hz) = nullptr;
   /// The shortest slot in which foci may move, if its line is slow, for an array of that many boards. Null: any.
   double (*moving_slot_s)(std::size_t boards) = nullptr;
   std::string_view link_words;  ///< the argument of its link, for people: "a serial port"

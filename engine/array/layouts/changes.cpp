@@ -9,8 +9,7 @@
 namespace palpa::array {
 
 std::uint32_t ChangeSetting::periods() const {
-  constexpr double period_s = 25e-6;
-  return static_cast<std::uint32_t>(std::clamp(slot_s / period_s + 1e-9, 1.0, 1e9));
+  return static_cast<std::uint32_t>(std::clamp(slot_s * board_frequency_hz + 1e-9, 1.0, 1e9));
 }
 
 Changes changes_of(const BoardType* type, const ChangeSetting& setting) {

@@ -28,7 +28,7 @@ struct ChangeSetting {
   bool steps = true;              ///< --steps, for boards that may jump
   bool nulls = false;             ///< drives are silent at places, and what lies between two drives is not: they jump
 
-  /// At least one; at a carrier of 40 kHz, which all boards have.
+  /// At least one; of board_frequency_hz.
   std::uint32_t periods() const;
 };
 

@@ -118,6 +118,12 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
   read_each(top, "unit", read_unit, layout, origins);
   read_each(top, "transducer", read_transducer, layout, origins);
   top.done();
+  if (!layout.boards.empty() && layout.frequency_hz != board_frequency_hz) {
+    throw top.fault("frequency_hz",
+                    fmt::format("frequency_hz is {}, but the boards of [[unit]] emit {:g} Hz only; transducers with "
+                                "another frequency are [[transducer]] tables",
+                                layout.frequency_hz, board_frequency_hz));
+  }
   if (layout.transducers.empty()) throw bad_input(file, "no transducers: write [[unit]] or [[transducer]] tables");
   refuse_coinciding(layout, origins);
   return layout;

@@ -40,9 +40,9 @@ EarDrives ear_drives(const Plan& plan, const SessionSetting& setting, bool steps
   out.ear.air = acoustics::air_of({}, medium.frequency, medium.sound_speed);
   out.ear.source_level_pa_m = layout.source_level_pa_m;
   const array::BoardType* const type = array::board_type_of(layout);
-  const bool has_clock = type != nullptr && type->modulation_slot_s > 0;
+  const bool has_clock = type != nullptr && type->modulation_slot_s != nullptr;
   if (has_clock && plan.cycle.modulation_hz != 0 && plan.cycle.length == 1)
-    out.slot_s = std::min(out.slot_s, type->modulation_slot_s);
+    out.slot_s = type->modulation_slot_s(plan.cycle.modulation_hz);
   out.changes = array::changes_of(type, {.slot_s = out.slot_s,
                                          .boards_of_bus = layout.boards.size(),
                                          .steps = steps,

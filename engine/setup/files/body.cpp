@@ -33,13 +33,16 @@ geometry::Mesh load_body(const std::string& file, const acoustics::Air& air, boo
   return body_of(file, geometry::load_triangles(file), air, force);
 }
 
+const JsonRows<acoustics::RigidBody::Effort>& solution_rows() {
+  using Effort = acoustics::RigidBody::Effort;
+  static const auto rows = JsonRows<Effort>()
+                               .value("iterations", [](const Effort& effort) { return effort.worst.iterations; })
+                               .value("residual", [](const Effort& effort) { return effort.worst.residual; });
+  return rows;
+}
+
 void add_solution(JsonWriter& json, const acoustics::RigidBody::Effort& effort) {
-  if (!effort.iterates) return;
-  json.key("solution")
-      .begin_object(JsonWriter::Style::line)
-      .member("iterations", effort.worst.iterations)
-      .member("residual", effort.worst.residual)
-      .end_object();
+  if (effort.iterates) solution_rows().write(json.key("solution"), effort, JsonWriter::Style::line);
 }
 
 }  // namespace palpa::setup

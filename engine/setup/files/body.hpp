@@ -5,6 +5,7 @@
 
 #include "acoustics/air.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 #include "geometry/mesh/mesh.hpp"
 
@@ -18,8 +19,9 @@ geometry::Mesh body_of(const std::string& name, const geometry::Mesh& mesh, cons
 /// The same for the triangles of a file (geometry/files/load_triangles.hpp).
 geometry::Mesh load_body(const std::string& file, const acoustics::Air& air, bool force);
 
-/// Adds "solution": {"iterations", "residual"} for a body whose equations are solved by iterations, and nothing for
-/// others.
+/// "iterations", "residual" of a body whose equations are solved by iterations.
+const JsonRows<acoustics::RigidBody::Effort>& solution_rows();
+/// Adds them as "solution"; nothing for other bodies.
 void add_solution(JsonWriter& json, const acoustics::RigidBody::Effort& effort);
 
 }  // namespace palpa::setup

@@ -25,6 +25,8 @@ constexpr Word<SolverChoice> solver_words[] = {
 constexpr Word<TransferChoice> transfer_words[] = {{"free", TransferChoice::free}, {"finger", TransferChoice::finger}};
 
 constexpr line::Range dwell_range{1e-6, 10}, modulation_range{0, 1000}, spot_range = line::positive(1);
+/// A turn in 100 s. AUTD3 devices play nothing slower than 2.4 mHz.
+constexpr double least_modulation_hz = 0.01;
 constexpr line::Range tuned_dwell_range{1e-4, 20e-3};
 
 array::Solver solver_of(SolverChoice choice) {
@@ -194,6 +196,10 @@ void check(const TouchOptions& options) {
   }
   line::check_quantity("--dwell", options.dwell_s, Quantity::time, dwell_range);
   line::check_quantity("--modulation-frequency", options.modulation_hz, Quantity::frequency, modulation_range);
+  if (options.modulation_hz > 0 && options.modulation_hz < least_modulation_hz) {
+    throw bad_usage(fmt::format("--modulation-frequency: {:g} Hz is too slow; give at least {:g}Hz, or 0 for none",
+                                options.modulation_hz, least_modulation_hz));
+  }
   if (options.spot_m) line::check_quantity("--spot", *options.spot_m, Quantity::length, spot_range);
   warn_of_dwell(options);
 }

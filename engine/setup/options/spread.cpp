@@ -160,7 +160,7 @@ void begin_spread(JsonWriter& json, const Draws& draws) {
 }
 
 void add(JsonWriter& json, const Percentiles& range) {
-  json.begin_array().value(range.p05).value(range.p50).value(range.p95).end_array();
+  json.value(std::span<const double>(numbers_of(range)));
 }
 
 void add(JsonWriter& json, const char* name, std::span<const Percentiles> ranges) {

@@ -2,6 +2,7 @@
 // random arrays (array/layouts/as_built.hpp), and each of its numbers gets the range in which nine of ten of them lie.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -45,6 +46,9 @@ void check(const SpreadOptions& options, const MediumOptions& medium);
 struct Percentiles {
   double p05 = 0, p50 = 0, p95 = 0;
 };
+inline std::array<double, 3> numbers_of(const Percentiles& range) {
+  return {range.p05, range.p50, range.p95};
+}
 /// `values` must not be empty. NaN must not occur.
 Percentiles percentiles(std::vector<double> values);
 

@@ -7,12 +7,15 @@
 #include <string>
 
 #include "array/drive_options.hpp"
+#include "array/layouts/board_types.hpp"
 #include "array/plausible.hpp"
 #include "base/error.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "geometry/plausible.hpp"
 #include "line/values.hpp"
+#include "session/plan/feel.hpp"
+#include "touch/methods/method.hpp"
 
 namespace palpa::setup {
 namespace {
@@ -83,6 +86,26 @@ void warn_of_size(std::span<const geometry::Solid> solids) {
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium) {
   if (const std::string odd = array::implausible_frequency(layout, medium.frequency); !odd.empty())
     log::warning("--frequency: " + odd);
+}
+
+void check_frequency(const array::Layout& layout, const array::Medium& medium) {
+  if (!layout.boards.empty() && medium.frequency != array::board_frequency_hz)
+    throw bad_usage("--frequency: " + array::implausible_frequency(layout, medium.frequency));
+  warn_of_frequency(layout, medium);
+}
+
+void refuse_coarse_modulation(double slot_s, double hz) {
+  if (session::carries({slot_s}, hz)) return;
+  throw bad_usage(
+      fmt::format("--modulation-frequency: drives of {:g} ms are too long for a modulation of {:g} Hz: give a --dwell "
+                  "of at most {:.3g}ms, or a modulation of at most {:.3g}Hz",
+                  1e3 * slot_s, hz, 1e3 * session::longest_slot / hz, session::longest_slot / slot_s));
+}
+
+void refuse_coarse_modulation(const session::Session& session) {
+  const session::ScheduleOptions& schedule = session.setting().schedule;
+  if (schedule.own_method || !touch::stands_still(schedule.method.method)) return;
+  refuse_coarse_modulation(session.scheduler().slot_s(), schedule.voice.modulation_hz);
 }
 
 void refuse_place(const array::Layout& layout, const Vec3& place, const std::string& what) {

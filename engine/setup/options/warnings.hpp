@@ -28,8 +28,15 @@ void warn_of_feel(const session::Session& session);
 /// For solids in what is probably another unit than metres.
 void warn_of_size(std::span<const geometry::Solid> solids);
 
-/// For a drive frequency for which the layout's transducers are not made.
+/// For a drive frequency for which the layout's transducers are not made, or which its boards do not emit.
 void warn_of_frequency(const array::Layout& layout, const array::Medium& medium);
+/// The same for drives that are played: throws bad_usage for a frequency that the layout's boards do not emit.
+void check_frequency(const array::Layout& layout, const array::Medium& medium);
+/// Throws bad_usage if foci stand still and are modulated, and the session's slots are too long for that. For drives
+/// that a link gets slot by slot.
+void refuse_coarse_modulation(const session::Session& session);
+/// The same for slots of that length.
+void refuse_coarse_modulation(double slot_s, double hz);
 
 /// Throws bad_usage, naming `what`, for a place at a transducer or farther than 100 m away.
 void refuse_place(const array::Layout& layout, const Vec3& place, const std::string& what);

@@ -215,9 +215,9 @@ void add_following_options(CLI::App& app, FrameOptions& o) {
 }
 
 void FrameOptions::refuse_unmeasured_prediction(const char* who) const {
-  if (!predict || predict_latency_s) return;
+  if (predict.value_or(session::Predict::off) == session::Predict::off || predict_latency_s) return;
   throw bad_usage(
-      fmt::format("--predict: {} have no latency that could be measured, so nothing is predicted; give "
+      fmt::format("--predict auto: {} have no latency that could be measured, so nothing is predicted; give "
                   "--predict-latency, for example 20ms",
                   who));
 }
@@ -273,7 +273,6 @@ Prepared prepare(const FrameOptions& o, std::span<const session::SourceKind> sou
   setting.pushed = o.points.has_value();
   setting.surroundings = sensing::surroundings_of(rig.rig);
   check_surroundings(setting, rig.rig);
-  warn_of_frequency(setting.layout, setting.drive.medium);
   UsedDevice device(o.common);
   auto session = make_session(device.get(), std::move(setting));
   return {std::move(source), std::move(device), std::move(session)};

@@ -60,7 +60,7 @@ struct FrameOptions {
   std::optional<double> predict_latency_s;
 
   /// For frames without a latency that could be measured. The first throws bad_usage if a prediction without a latency
-  /// is asked for; `who` names the frames. The second turns such a prediction off, which is the default.
+  /// is requested; `who` names the frames. The second turns such a prediction off, which is the default.
   void refuse_unmeasured_prediction(const char* who) const;
   void leave_out_unmeasured_prediction();
   session::OwnMethod own_method{};  ///< instead of --method

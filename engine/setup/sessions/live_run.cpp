@@ -18,6 +18,7 @@
 #include "session/links/spec.hpp"
 #include "session/threads.hpp"
 #include "setup/options/board_play.hpp"
+#include "setup/options/warnings.hpp"
 #include "setup/sessions/kept_frames.hpp"
 #include "setup/sessions/load.hpp"
 #include "setup/sessions/near_skin.hpp"
@@ -129,6 +130,11 @@ void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind>
   take_dwell_of_boards(options.touch, load_placed_layout(options.rig).layout, options.steps);
 }
 
+bool plays_slot_by_slot(const std::string& link, std::span<const session::LinkKind> links) {
+  const std::string name = session::parse_spec(link).name;
+  return name != "null" && name != "foci" && !session::find_kind(links, name, "link").plays_plans;
+}
+
 std::vector<session::LinkKind> with_builtin(std::span<const session::LinkKind> links) {
   return added_to(session::builtin_links(), links);
 }
@@ -140,6 +146,9 @@ LiveRun::LiveRun(const LiveOptions& options, std::span<const session::SourceKind
       osc_(open_osc(options_)),
       scene_state_(options_.reload ? look_at_scene(options_.scene) : SceneState{}),
       prepared_(prepare_live(options_, sources)) {
+  const session::SessionSetting& setting = session().setting();
+  check_frequency(setting.layout, setting.drive.medium);
+  if (plays_slot_by_slot(options_.link, with_builtin(links))) refuse_coarse_modulation(session());
   warn_of_boards(options_.link, session());
   // Opened last: a typing error elsewhere must not leave an empty recording or a switched-on array behind.
   if (!options_.events.empty()) {

@@ -67,6 +67,10 @@ void take_method_of_link(LiveOptions& options, std::span<const session::LinkKind
 /// take_dwell_of_boards() for a link whose boards take steps.
 void take_dwell_of_link(LiveOptions& options, std::span<const session::LinkKind> links);
 
+/// Whether a link gets drives slot by slot, and plays or keeps them: the modulation of foci that stand still is then
+/// that of the slots. `links` are all known links.
+bool plays_slot_by_slot(const std::string& link, std::span<const session::LinkKind> links);
+
 class LiveRun final : session::RunChanges {
  public:
   /// Loads and opens all of it. `sources` and `links` are added to palpa's own; `stop` is the flag of the run. The

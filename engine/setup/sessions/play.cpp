@@ -30,8 +30,8 @@ bool is_record(const std::string& link) {
 }
 
 /// Whether devices can compute the drives of a plan from its foci.
-bool goes_ahead(const PlayOptions& o, const array::Layout& layout) {
-  return o.drive.weighting == array::Weighting::uniform && medium(o.drive.medium).frequency == layout.frequency_hz;
+bool goes_ahead(const PlayOptions& o) {
+  return o.drive.weighting == array::Weighting::uniform;
 }
 
 /// Whole periods, at least so long.
@@ -200,11 +200,11 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
   take_layout_of_link(rig, o.link, links);
   auto playing = std::make_unique<Playing>(load_placed_layout(rig), o);
   const array::Layout& layout = playing->posed;
-  warn_of_frequency(layout, playing->setting.output.drive.medium);
+  check_frequency(layout, playing->setting.output.drive.medium);
   const auto [name, argument] = session::parse_spec(o.link);
   const session::LinkKind& kind = session::find_kind(links, name, "link");
   const double period_s = 1 / layout.frequency_hz;
-  playing->setting.listed = kind.plays_plans && goes_ahead(o, layout);
+  playing->setting.listed = kind.plays_plans && goes_ahead(o);
   double least_s = at_least(session::least_moving_slot_s(o.link, links, layout), period_s);
   if (least_s > 0) least_s = std::ceil(1e3 * least_s - 1e-6) * 1e-3;
   const double single_s =
@@ -214,12 +214,20 @@ std::unique_ptr<Playing> prepare_play(const PlayOptions& o, double fastest_hz, c
   double& slot_s = playing->setting.output.slot_s;
   slot_s = o.dwell_s.value_or(std::max(usual_s, least_s));
   if (single_s > usual_s) {
-    log::warning(fmt::format(
-        "--link {}: with --amplitude distance or another --frequency, each drive is sent by itself, every {:g} ms",
-        o.link, 1e3 * slot_s));
+    log::warning(fmt::format("--link {}: with --amplitude distance, each drive is sent by itself, every {:g} ms",
+                             o.link, 1e3 * slot_s));
   }
   const double in_a_turn = session::places_in_a_turn(fastest_hz, slot_s);
-  if (!o.dwell_s && least_s > usual_s) {
+  if (in_a_turn < session::least_places) {
+    throw bad_usage(
+        fmt::format("{} has a brush or a modulation of {:g} Hz, and places of {:g} ms cannot follow it: {}", who,
+                    fastest_hz, 1e3 * slot_s,
+                    o.dwell_s && *o.dwell_s > least_s
+                        ? fmt::format("give a --dwell of at most {:g} ms", 1e3 * usual_s)
+                        : fmt::format("--link {} takes so long for each, so a sensation has at most {:.3g} Hz there",
+                                      o.link, 1 / (session::least_places * slot_s))));
+  }
+  if (!o.dwell_s && least_s > usual_s && fastest_hz > 0) {
     log::warning(
         fmt::format("--link {}: takes {:g} ms for each place: one turn of {:g} Hz has {:.3g} of them instead "
                     "of {:g}",
@@ -288,7 +296,7 @@ session::OutputStats play(const PlayOptions& o, sensation::Sensation& sensation,
   link_setting.ramp_s = o.safety.ramp_s;
   link_setting.board_files = o.board_files;
   link_setting.steps = o.steps == Steps::on;
-  link_setting.free_field = goes_ahead(o, playing.posed);
+  link_setting.free_field = goes_ahead(o);
   HandFollower::Follow follow;
   if (o.on) follow = open_hand(*o.on, o, sources, setting.T_world_array, hand);
   const std::unique_ptr<session::Link> link = session::open_link(o.link, links, link_setting);

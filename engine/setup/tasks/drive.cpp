@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <complex>
 #include <glm/matrix.hpp>
+#include <ranges>
+#include <string_view>
 #include <utility>
 
 #include "acoustics/air.hpp"
@@ -15,6 +18,7 @@
 #include "array/nulls/nulls.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 #include "base/system/parallel.hpp"
 #include "gpu/commands.hpp"
@@ -225,59 +229,56 @@ bool DriveResult::beyond_linear() const {
   return std::ranges::any_of(pressure.pascals, [](double pascals) { return pascals > array::linear_pressure_pa; });
 }
 
+const JsonRows<DriveResult>& drive_rows() {
+  using Result = DriveResult;
+  static const auto nulls = JsonRows<SilentPlace>()
+                                .value("place_m", [](const SilentPlace& p) { return p.null.position; })
+                                .value("radius_m", [](const SilentPlace& p) { return p.null.radius_m; })
+                                .value("loudest_pa", [](const SilentPlace& p) { return p.loudest_pa; })
+                                .value("depth_db", [](const SilentPlace& p) { return p.depth_db; });
+  static const auto spread =
+      JsonRows<DriveSpread>()
+          .value("draws", [](const DriveSpread& s) { return s.draws.count; })
+          .value("seed", [](const DriveSpread& s) { return s.draws.seed; })
+          .value("pressures_pa", [](const DriveSpread& s) { return std::views::transform(s.pressures_pa, numbers_of); })
+          .value("weakest_to_strongest", [](const DriveSpread& s) { return numbers_of(s.evenness); })
+          .value("nulls_pa", [](const DriveSpread& s) {
+            return s.nulls_pa.empty() ? std::nullopt : std::optional(std::views::transform(s.nulls_pa, numbers_of));
+          });
+  static const auto rows =
+      JsonRows<Result>()
+          .value("layout", [](const Result& r) { return std::string_view(r.layout.name); })
+          .value("transducers", [](const Result& r) { return std::uint64_t{r.drive.size()}; })
+          .value("sound_speed_m_s", [](const Result& r) { return r.medium.sound_speed; })
+          .value("frequency_hz", [](const Result& r) { return r.medium.frequency; })
+          .value("foci_m", [](const Result& r) { return std::views::transform(r.foci, &array::SlotFocus::position); })
+          .value("aimed_m", [](const Result& r) { return r.aimed.empty() ? nullptr : &r.aimed; })
+          .object(
+              "solution", solution_rows(), [](const Result& r) { return r.effort.iterates ? &r.effort : nullptr; },
+              JsonWriter::Style::line)
+          .value("gains", [](const Result& r) { return std::views::transform(r.foci, &array::SlotFocus::gain); })
+          .value("pressures_pa", [](const Result& r) { return std::span(r.pressure.pascals); })
+          .value("weakest_to_strongest", [](const Result& r) { return r.pressure.evenness; })
+          .value("over_free_field",
+                 [](const Result& r) { return r.over_free_field.empty() ? nullptr : &r.over_free_field; })
+          .objects("nulls", nulls, [](const Result& r) { return r.nulls ? &r.nulls->places : nullptr; })
+          .value("kept_with_nulls", [](const Result& r) { return r.nulls ? &r.nulls->kept : nullptr; })
+          .value("unresolved_pairs",
+                 [](const Result& r) {
+                   return std::views::transform(r.unresolved, [](const array::FocusPair& pair) {
+                     return std::array{std::uint64_t{pair.first}, std::uint64_t{pair.second}};
+                   });
+                 })
+          .value("amplitudes",
+                 [](const Result& r) { return std::views::transform(r.drive, &array::TransducerDrive::amplitude); })
+          .value("phases_rad",
+                 [](const Result& r) { return std::views::transform(r.drive, &array::TransducerDrive::phase); })
+          .object("spread", spread, [](const Result& r) { return r.spread ? &*r.spread : nullptr; });
+  return rows;
+}
+
 std::string to_json(const DriveResult& result) {
-  JsonWriter json;
-  json.begin_object()
-      .member("layout", result.layout.name)
-      .member("transducers", std::uint64_t{result.drive.size()})
-      .member("sound_speed_m_s", result.medium.sound_speed)
-      .member("frequency_hz", result.medium.frequency);
-  json.key("foci_m").begin_array();
-  for (const array::SlotFocus& focus : result.foci)
-    json.value(focus.position);
-  json.end_array();
-  if (!result.aimed.empty()) json.member("aimed_m", result.aimed);
-  add_solution(json, result.effort);
-  json.key("gains").begin_array();
-  for (const array::SlotFocus& focus : result.foci)
-    json.value(focus.gain);
-  json.end_array();
-  json.member("pressures_pa", result.pressure.pascals).member("weakest_to_strongest", result.pressure.evenness);
-  if (!result.over_free_field.empty()) json.member("over_free_field", result.over_free_field);
-  if (result.nulls) {
-    json.key("nulls").begin_array();
-    for (const SilentPlace& place : result.nulls->places) {
-      json.begin_object()
-          .member("place_m", place.null.position)
-          .member("radius_m", place.null.radius_m)
-          .member("loudest_pa", place.loudest_pa)
-          .member("depth_db", place.depth_db)
-          .end_object();
-    }
-    json.end_array().member("kept_with_nulls", result.nulls->kept);
-  }
-  json.key("unresolved_pairs").begin_array();
-  for (const array::FocusPair& pair : result.unresolved)
-    json.begin_array().value(std::uint64_t{pair.first}).value(std::uint64_t{pair.second}).end_array();
-  json.end_array();
-  json.key("amplitudes").begin_array();
-  for (const array::TransducerDrive& d : result.drive)
-    json.value(d.amplitude);
-  json.end_array();
-  json.key("phases_rad").begin_array();
-  for (const array::TransducerDrive& d : result.drive)
-    json.value(d.phase);
-  json.end_array();
-  if (result.spread) {
-    begin_spread(json, result.spread->draws);
-    add(json, "pressures_pa", result.spread->pressures_pa);
-    json.key("weakest_to_strongest");
-    add(json, result.spread->evenness);
-    if (!result.spread->nulls_pa.empty()) add(json, "nulls_pa", result.spread->nulls_pa);
-    json.end_object();
-  }
-  json.end_object();
-  return json.take();
+  return drive_rows().text(result);
 }
 
 DriveSpread spread_of_drive(const array::Layout& layout, const array::Drive& drive,

@@ -20,6 +20,7 @@
 #include "array/layouts/layout.hpp"
 #include "array/resolution.hpp"
 #include "array/transducer_drive.hpp"
+#include "base/files/json_rows.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "gpu/device.hpp"
 #include "setup/options/nulls.hpp"
@@ -77,7 +78,8 @@ struct DriveResult {
   /// Whether a focus has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
-/// The output of `palpa drive --json` (docs/solvers.md).
+/// The output of `palpa drive --json` (docs/solvers.md), and its rows, whose paths may be results of a sweep.
+const JsonRows<DriveResult>& drive_rows();
 std::string to_json(const DriveResult& result);
 
 /// A rigid finger in the sound of a layout's transducers, for drives that focus on it.

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "session/links/record_link.hpp"
 #include "session/links/spec.hpp"
+#include "setup/options/warnings.hpp"
 #include "setup/sessions/kept_frames.hpp"
 #include "setup/sessions/near_skin.hpp"
 
@@ -157,6 +158,13 @@ ExportRun::ExportRun(const ExportTask& task, std::span<const session::SourceKind
     : frames_(task.frames), stop_(&stop), prepared_(prepare(unmeasured(task), sources, false)) {
   const session::Session& session = *prepared_.session;
   if (links.empty()) refuse_idle(task, session.solids());
+  const session::SessionSetting& setting = session.setting();
+  if (task.drives.empty() && links.empty()) {
+    warn_of_frequency(setting.layout, setting.drive.medium);
+  } else {
+    check_frequency(setting.layout, setting.drive.medium);
+    refuse_coarse_modulation(session);
+  }
   if (!task.events.empty()) sink_ = session::open_event_sink(task.events, session.solid_names(), stop_, true);
   if (!task.foci.empty()) foci_ = session::open_foci_file(task.foci, session.link_setting());
   if (!task.drives.empty()) drives_ = session::open_record_link(task.drives, session.link_setting(), stop_);

@@ -30,7 +30,7 @@ ExportResult export_played(const ExportTask& task, std::atomic<bool>& stop) {
                                        .slot_s = played.slot_s,
                                        .hold_s = task.hold_s,
                                        .safety = task.safety};
-  warn_of_frequency(rig.layout, setting.drive.medium);
+  check_frequency(rig.layout, setting.drive.medium);
   const std::unique_ptr<session::Link> drives = session::open_record_link(
       task.drives, {.layout = rig.layout, .solid_names = played.solids, .slot_s = played.slot_s}, &stop);
   ExportResult result{.stats = session::replay(played, setting, *drives, stop)};

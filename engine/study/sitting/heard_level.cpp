@@ -43,7 +43,8 @@ acoustics::EarLevel level_of(const PlanMethod& method, const StudyPlan& plan, st
   const array::BoardType* const type = array::board_type_of(layout);
   const bool still = touch::stands_still(method.method);
   double slot_s = method.dwell_s;
-  if (still && type != nullptr && type->modulation_slot_s > 0) slot_s = std::min(slot_s, type->modulation_slot_s);
+  if (still && type != nullptr && type->modulation_slot_s != nullptr)
+    slot_s = type->modulation_slot_s(method.modulation_hz);
   array::Schedule schedule;
   schedule.slot_s = slot_s;
   schedule.add_voice() = voice_of(method, objects, slot_s);

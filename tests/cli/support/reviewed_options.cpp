@@ -155,12 +155,12 @@ std::vector<ReviewedLine> of_export() {
                   "--seed 3",
                   "--validation core"}}},
        .tried_as = "export --played SCRATCH/played.json --drives OUT/drives.bin",
-       .effective = {
-           {"", {"--rig SCRATCH/rig.toml"}},
-           {"--layout openmpd",
-            {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms", "--amplitude uniform",
-             "--constraint clamp", "--solver greedy", "--temperature 25", "--sound-speed 350m/s", "--frequency 41kHz"}},
-           {"--layout openmpd --solver greedy", {"--directivity omni"}}}}};
+       .effective = {{"", {"--rig SCRATCH/rig.toml"}},
+                     {"--layout openmpd",
+                      {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms", "--amplitude uniform",
+                       "--constraint clamp", "--solver greedy", "--temperature 25", "--sound-speed 350m/s"}},
+                     {"--layout SCRATCH/bare.toml", {"--frequency 41kHz"}},
+                     {"--layout openmpd --solver greedy", {"--directivity omni"}}}}};
 }
 
 std::vector<ReviewedLine> of_calibrate() {
@@ -378,6 +378,9 @@ void write_inputs(const std::string& scratch) {
   write("tip.ply", sphere(2e-3, 8, 12), {0, 2e-3, 0});
   const array::Layout layout = array::load_layout("openmpd");
   write_text(scratch + "/drive.csv", setup::drive_csv(layout, array::Drive(layout.transducers.size(), {1, 0})));
+  write_text(scratch + "/bare.toml",
+             "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n"
+             "[[transducer]]\nposition_m = [0.02, 0, 0]\naxis = [0, 0, 1]\n");
   write_text(scratch + "/rig.toml", "[array]\nlayout = \"openmpd\"\n");
   write_text(scratch + "/played.json",
              R"({"slot_s": 0.0015, "frames": [{"slot": 3, "time_s": 1, "fingers": [{"id": 0, "solid": "",)"

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -128,6 +129,36 @@ TEST(Autd3Wire, AModulationIsHeardByTheDevicesClock) {
     EXPECT_NEAR(cycles, std::round(cycles), 0.02 * cycles) << hz;
   }
   EXPECT_EQ(device.violations().count(), 0u);
+}
+
+// In samples of 0.25 ms, a message has no cycle of less than 15.75 Hz.
+TEST(Autd3Wire, AModulationHasItsFrequencyHoweverSlowOrFastItIs) {
+  for (const double hz : {0.01, 0.3, 1.0, 2.5, 5.0, 7.3, 10.0, 15.7, 15.8, 33.3, 200.0, 999.0, 1000.0}) {
+    SCOPED_TRACE(hz);
+    EmulatedDevice device = begun();
+    Teller teller(device);
+    teller.tell([&](Message m) { put_gain(m, 1, std::vector<Emission>(transducers, {7, 255})); });
+    const ModulationSamples samples = modulation_samples(hz, array::Modulation::amplitude_sine, 0, epoch_s, 0);
+    teller.tell(
+        [&](Message m) { put_modulation(m, 1, samples.divider, std::span(samples.samples).first(samples.count)); });
+    const double length_s = static_cast<double>(samples.count) * samples.divider / 40e3;
+    const double cycles = std::round(length_s * hz);
+    ASSERT_GE(cycles, 1);
+    EXPECT_NEAR(cycles / length_s, hz, 3e-3 * hz);
+    // What is heard over one length has this frequency: all of its power but that of the mean.
+    std::complex<double> line = 0;
+    double mean = 0, power = 0;
+    constexpr int times = 4000;
+    for (int i = 0; i < times; ++i) {
+      const double at = (i + 0.5) / times, heard = device.output(at * length_s)[5].intensity / 255.0;
+      line += std::polar(heard / times, 2 * std::numbers::pi * cycles * at);
+      mean += heard / times;
+      power += heard * heard / times;
+    }
+    EXPECT_NEAR(mean, 0.5, 0.01);
+    EXPECT_NEAR(std::abs(line), 0.25, hz < 500 ? 0.01 : 0.05);
+    EXPECT_NEAR(2 * std::norm(line), power - mean * mean, hz < 500 ? 0.005 : 0.04);
+  }
 }
 
 TEST(Autd3Emulator, ComputesFociAsItsFirmwareDoes) {

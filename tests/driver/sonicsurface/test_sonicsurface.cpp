@@ -309,6 +309,36 @@ TEST(SonicSurfaceBoard, WhatStandsStillIsModulatedByOneByte) {
   rig.end_silent();
 }
 
+// A new pattern is heard when it is there, so that it must not come in the middle of a pause.
+TEST(SonicSurfaceBoard, ASlowModulationKeepsItsPausesWhileAFingerMoves) {
+  PALPA_TERMINAL_OR_SKIP();
+  for (const double hz : {2.0, 20.0}) {
+    SCOPED_TRACE(hz);
+    Rig rig;
+    rig.open_still();
+    rig.plan(hz);
+    EXPECT_TRUE(rig.plays_its_drive());
+    int steps = 0, silent = 0, changes = 0;
+    bool was = false;
+    const double until_s = rig.clock.now_s() + 3;
+    for (; rig.clock.now_s() < until_s; ++steps) {
+      if (steps % 16 == 0) {
+        rig.drive[3].phase += 0.4F;
+        rig.plan(hz);
+      }
+      rig.board->tend();
+      const bool is = rig.machine.all_silent();
+      silent += is ? 1 : 0;
+      changes += is != was ? 1 : 0;
+      was = is;
+      rig.clock.sleep_s(1e-3);
+    }
+    EXPECT_NEAR(static_cast<double>(silent) / steps, 0.5, 0.1);
+    EXPECT_NEAR(changes, 2 * hz * 3, 0.05 * 2 * hz * 3 + 1);
+    rig.end_silent();
+  }
+}
+
 TEST(SonicSurfaceBoard, SilenceDoesNotWaitBehindWhatTheKernelStillHas) {
   PALPA_TERMINAL_OR_SKIP();
   Opened rig;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -159,6 +160,15 @@ struct Tried {
   Words line{};  ///< further options, with which it makes a difference
 };
 
+/// Boards emit 40 kHz only.
+std::string bare_layout() {
+  const std::filesystem::path file = test::scratch_folder("every-live-option-layout") / "bare.toml";
+  test::write_text(file,
+                   "[[transducer]]\nposition_m = [0, 0, 0]\naxis = [0, 0, 1]\n"
+                   "[[transducer]]\nposition_m = [0.02, 0, 0]\naxis = [0, 0, 1]\n");
+  return file.string();
+}
+
 std::map<std::string, Tried> tried() {
   const auto asset = [](const char* name) { return test::source_file(std::string("assets/") + name).string(); };
   const Words multi{"--scene", asset("prism.glb"), "--method", "multi-focus"};
@@ -190,7 +200,7 @@ std::map<std::string, Tried> tried() {
           {"--directivity", {{"omni"}, multi}},
           {"--temperature", {{"30"}}},
           {"--sound-speed", {{"350m/s"}}},
-          {"--frequency", {{"41kHz"}}},
+          {"--frequency", {{"41kHz"}, {"--layout", bare_layout()}}},
           {"--ceiling", {{"0.5"}}},
           {"--noise-free", {{}, synthetic}},
           {"--board-files", {{test::scratch_folder("every-live-option-boards").string()}}},
