@@ -5,7 +5,7 @@
 namespace palpa::viewer {
 namespace {
 
-/// A source that counts in another way leaves no more behind.
+/// Between two frames; a source that counts in another way makes no more.
 constexpr std::uint64_t most_missing = 1000;
 
 }  // namespace
@@ -37,14 +37,16 @@ FrameCounts TouchFrames::counts() const {
 
 void TouchFrames::arrived(std::uint64_t sequence) {
   const std::lock_guard lock(mutex_);
+  const std::uint64_t last = last_.value_or(sequence);
+  last_ = sequence;
+  if (sequence > last) apart_ = std::min(apart_.value_or(sequence - last), sequence - last);
+  if (sequence < last) apart_.reset();  // another source, or one that was opened again
   if (!touching_) return;
   const double now_s = clock_->now();
   judge(now_s);
-  if (!waiting_.empty() && sequence > waiting_.back().sequence && now_s - waiting_.back().arrived_s > hold_s_) {
-    const std::uint64_t first = waiting_.back().sequence + 1;
-    for (std::uint64_t missing = first; missing < std::min(sequence, first + most_missing); ++missing)
-      waiting_.push_back({.sequence = missing, .arrived_s = now_s - hold_s_});
-  }
+  const std::uint64_t missing = sequence > last ? std::min((sequence - last) / *apart_ - 1, most_missing) : 0;
+  for (std::uint64_t i = 1; i <= missing; ++i)
+    waiting_.push_back({.sequence = last + i * *apart_, .arrived_s = now_s});
   waiting_.push_back({.sequence = sequence, .arrived_s = now_s});
 }
 
@@ -92,10 +94,9 @@ void TouchFrames::add(const Frame& frame, FrameCounts& counts) {
   }
 }
 
-/// With the mutex held. The newest stays, because the distance to the next frame is needed.
+/// With the mutex held.
 void TouchFrames::judge(double now_s) {
-  const std::size_t kept = touching_ ? 1 : 0;
-  while (waiting_.size() > kept && now_s - waiting_.front().arrived_s >= hold_s_ && waiting_.front().over_object) {
+  while (!waiting_.empty() && now_s - waiting_.front().arrived_s >= hold_s_ && waiting_.front().over_object) {
     add(waiting_.front(), counts_);
     waiting_.pop_front();
   }

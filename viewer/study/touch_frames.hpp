@@ -39,7 +39,8 @@ class TouchFrames final : public session::RunObserver {
   /// Of the touch under way, or of the last one.
   FrameCounts counts() const;
 
-  /// A frame has come. If the one before came more than a hold ago, the frames between their numbers were left out.
+  /// A frame has come. Frames were left out if its number is further from the one before than any two of this source
+  /// were so far.
   void arrived(std::uint64_t sequence) override;
   void planned(const session::FrameReport& report, const session::Plan& plan) override;
   /// A drive of the plan with fingers of that time (array::Schedule::time_s) was let through. `reached`: drives have
@@ -71,7 +72,9 @@ class TouchFrames final : public session::RunObserver {
   mutable std::mutex mutex_;
   bool touching_ = false;
   double hold_s_ = 0;
-  std::deque<Frame> waiting_;  ///< that are not judged yet, by number
+  std::deque<Frame> waiting_;             ///< that are not judged yet, by number
+  std::optional<std::uint64_t> last_{};   ///< the number of the newest frame
+  std::optional<std::uint64_t> apart_{};  ///< the least distance between the numbers of two frames
   std::optional<Seen> seen_;
   FrameCounts counts_;
 };
