@@ -51,8 +51,12 @@ Results results_by_method(const Study& study, std::uint64_t seed) {
       method.results.push_back(i);
       method.accuracies.push_back(results.people[i].accuracy);
     }
-    for (const Participant& participant : study.participants)
+    method.void_shapes.resize(study.shapes.size(), 0);
+    for (const Participant& participant : study.participants) {
       method.voids += m < participant.voids.size() ? participant.voids[m] : 0;
+      for (std::size_t s = 0; s < study.shapes.size() && !participant.void_shapes.empty(); ++s)
+        method.void_shapes[s] += participant.void_shapes[m * study.shapes.size() + s];
+    }
     method.pooled = measure(study.methods[m], pooled);
     method.mean_accuracy = mean(method.accuracies);
     method.deviation = standard_deviation(method.accuracies);

@@ -18,7 +18,7 @@ struct PersonResult {
   std::size_t method = 0;  ///< place in Study::methods
   std::uint32_t turn = 0;  ///< 1 for the method that the participant used first, 2 for the second, ...
   Confusion table{};
-  std::uint32_t voids = 0;  ///< trials that were broken off
+  std::uint32_t voids = 0;  ///< void trials
   double accuracy = 0;
   std::optional<double> dprime{};
   double bits = 0;                     ///< transmitted information; large for few trials
@@ -29,7 +29,8 @@ struct PersonResult {
 struct MethodResult {
   Measures pooled{};                         ///< of all their trials
   std::vector<std::size_t> results{};        ///< places in Results::people
-  std::uint32_t voids = 0;                   ///< trials that were broken off, also of people without answers
+  std::uint32_t voids = 0;                   ///< void trials, also of people with other trials only
+  std::vector<std::uint32_t> void_shapes{};  ///< the same by shape
   std::vector<double> accuracies{};          ///< one per participant, in the same order
   double mean_accuracy = 0;                  ///< each participant counts the same
   std::optional<double> deviation{};         ///< standard deviation between participants

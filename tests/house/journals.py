@@ -33,12 +33,13 @@ def rounds_of(order):
 
 class Walk:
     """Goes through a journal as docs/study.md describes a sitting: `faults` are sentences, `answers` the answer of each
-    complete step, `left` the steps that are still to be done, in their order."""
+    complete step, `left` the steps that are still to be done, in their order, `stay_void` those that were given up."""
 
     def __init__(self, order, entries):
         self.rounds = rounds_of(order)
         self.left, self.open = list(range(len(self.rounds))), False
         self.answers, self.faults, self.voids, self.starts, self.finished = {}, [], 0, 0, False
+        self.by_machine, self.stay_void = {}, []  # a step that a machine broke off is repeated twice
         for entry in entries:
             self.take(entry)
 
@@ -68,7 +69,12 @@ class Walk:
             self.answers[step] = entry.get("text")
             self.open = False
         elif what == "void":
-            self.put_back()
+            count = self.by_machine[step] = self.by_machine.get(step, 0) + entry.get("by_machine", False)
+            if entry.get("by_machine") and count > 2:
+                self.stay_void.append(self.left.pop(0))
+                self.open, self.voids = False, self.voids + 1
+            else:
+                self.put_back()
         elif what == "finish":
             self.finished = True
             if self.left:
@@ -118,7 +124,7 @@ def faults_of_files(beh, walk, complete):
 
 def results_of(analysis):
     """The results in a JSON of `palpa study analyse`, without what depends on when trials took place."""
-    timely = {"answer_times", "answer_time_s", "learning", "depth", "left_out", "void"}
+    timely = {"answer_times", "answer_time_s", "learning", "depth", "left_out", "void", "void_by_shape"}
 
     def without(value):
         if isinstance(value, dict):

@@ -105,14 +105,14 @@ class KilledStudies(Marked):
         walk = self.walk()
         if walk is None:
             return
-        if not walk.finished or len(walk.answers) != len(walk.rounds):
+        if not walk.finished or len(walk.answers) + len(walk.stay_void) != len(walk.rounds):
             self.fault(f"{len(walk.answers)} of {len(walk.rounds)} steps are complete")
         for fault in journals.faults_of_files(self.sub() / "beh", walk, True):
             self.fault(fault)
         whole = self.folder / "whole"
         subprocess.run([self.palpa, "study", "rehearse", self.plan, "--participant", str(self.participant), "--out", whole, "--accuracy", "0.5", "--quiet"],
                        env=self.environment, check=True, stdin=subprocess.DEVNULL, timeout=WHOLE_S)
-        if self.analysis(self.study) != self.analysis(whole):
+        if not walk.stay_void and self.analysis(self.study) != self.analysis(whole):
             self.fault(f"the analyses of {self.study} and {whole} differ")
 
     def analysis(self, study):
@@ -128,7 +128,7 @@ class KilledStudies(Marked):
         result = json.loads(done.stdout)
         for line in result["left_out"]:
             no_row = f"{self.sub()}/beh: has no log" in line and not any(self.sub().glob("beh/*_events.tsv"))  # killed before
-            killed = f"{self.sub().name}_journal.jsonl: " in line and (" because the program was killed " in line or "the sitting is not finished" in line)
+            killed = f"{self.sub().name}_journal.jsonl: " in line and (" because the program was killed " in line or "the sitting is not finished" in line or " void, because " in line)
             if not no_row and not killed and not line.endswith(("it is analysed all the same", "has no answered trial; the participant is left out")):
                 self.fault(f"the analysis leaves out: {line}")
         return journals.results_of(result)

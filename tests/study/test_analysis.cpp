@@ -169,6 +169,11 @@ TEST(StudyAnalysis, CountsTrialsThatWereBrokenOff) {
   EXPECT_CONTAINS(analysis_text(analysis), "; 1 trial void\n");
   EXPECT_CONTAINS(analysis_text(analysis), "participant 1 felt nothing in 1 of 1 familiarisation");
   EXPECT_CONTAINS(analysis_csv(analysis), ",void\n");
+  EXPECT_EQ(analysis.results.methods[0].void_shapes, (std::vector<std::uint32_t>{1, 0, 0, 0}));
+  EXPECT_CONTAINS(analysis_text(analysis), "\n  void by shape, which is not chance: cube 1\n");
+  EXPECT_CONTAINS(analysis_json(analysis), "\"void\": 1,\n");
+  EXPECT_CONTAINS(analysis_json(analysis), "\"void_by_shape\": [1, 0, 0, 0]");
+  EXPECT_CONTAINS(analysis_html(analysis), "single-focus: void trials by shape, which is not chance: cube 1");
 }
 
 TEST(StudyAnalysis, TrialsThatWereBrokenOffAreTheMethodsOwn) {

@@ -111,7 +111,7 @@ TEST_F(RecordTest, SaysOfEachStepWhetherItsAnswerIsRight) {
     std::istringstream row(line);
     for (std::string cell; std::getline(row, cell, '\t');)
       cells.push_back(cell);
-    ASSERT_EQ(cells.size(), 16U) << line;
+    ASSERT_EQ(cells.size(), 18U) << line;
     const bool asks = cells[2] == "trial" || cells[2] == "practice";
     EXPECT_EQ(cells[6], !asks ? "n/a" : cells[5] == cells[4] ? "true" : "false") << line;
     told.insert(cells[6]);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "study/sitting/events_table.hpp"
 #include "study/sitting/sitting.hpp"
 #include "study/sitting_plan.hpp"
 #include "support/thrown.hpp"
@@ -51,6 +52,74 @@ class SittingTest : public testing::Test {
     return static_cast<std::size_t>(std::ranges::count(written_, kind, &Entry::kind));
   }
 };
+
+/// Of the steps of the first round of trials, the one that is broken off three times stays void; people break off as
+/// often as they like.
+TEST_F(SittingTest, WhatAMachineBreaksOffIsRepeatedTwice) {
+  const TouchLosses enough{.thinned_frames = 1, .skin_frames = 10}, lack{.left_out_frames = 11, .skin_frames = 100};
+  Sitting one = sitting();
+  consent(one);
+  skip_to(one, BlockKind::trial);
+  const std::uint32_t step = *one.agenda().current();
+  const auto touch = [&](const TouchLosses& losses) {
+    one.act(Act::go_on, now_);
+    now_ += 50 * ms;
+    one.played({.losses = losses});
+    one.advance(now_);
+  };
+  const auto come_to_it = [&] {
+    while (one.agenda().current() != step) {
+      touch(enough);
+      ASSERT_EQ(one.screen(), Screen::question);
+      one.answer(0, now_);
+    }
+  };
+  for (int people = 0; people < 4; ++people) {
+    come_to_it();
+    one.act(Act::go_on, now_);
+    one.act(people % 2 == 0 ? Act::pause : Act::any_key, now_ += 10 * ms);
+    one.act(Act::go_on, now_);
+    EXPECT_TRUE(one.agenda().stay_void().empty());
+  }
+  come_to_it();
+  touch(lack);
+  EXPECT_EQ(one.screen(), Screen::ready) << "nothing is asked, and nobody has to continue";
+  EXPECT_EQ(one.reason(),
+            "the touch lacked its stimulus: of 100 frames with skin over the object, 0 were thinned, 0 outdated and 11 "
+            "left out, and at most a tenth may be: end other programs");
+  EXPECT_EQ(written_.back().kind, EntryKind::broken);
+  EXPECT_TRUE(written_.back().by_machine);
+  EXPECT_EQ(written_[written_.size() - 2].kind, EntryKind::touched) << "with its counts";
+  come_to_it();
+  one.act(Act::go_on, now_);
+  one.fault("the array is gone", now_ += 10 * ms);
+  EXPECT_EQ(one.screen(), Screen::paused) << "somebody has to repair it";
+  one.act(Act::go_on, now_);
+  come_to_it();
+  touch(lack);
+  EXPECT_EQ(one.agenda().stay_void(), std::vector<std::uint32_t>{step});
+  EXPECT_NE(one.agenda().current(), step);
+  EXPECT_CONTAINS(written_.back().text, "; it was repeated often enough and stays void");
+  EXPECT_EQ(one.agenda().voided(), 7u);
+  // The same from the journal, and the rest of the sitting follows.
+  const Agenda again = agenda_after(order_of(plan_, 1), written_, "journal");
+  EXPECT_EQ(again.stay_void(), one.agenda().stay_void());
+  EXPECT_EQ(again.current(), one.agenda().current());
+  const ScriptedParticipant participant(1, 1, 0);
+  while (one.screen() != Screen::end)
+    participant.go_on(plan_, one, now_);
+  EXPECT_EQ(one.agenda().complete() + 1, one.agenda().steps().size());
+  EXPECT_CONTAINS(events_table(plan_, one.agenda().steps(), written_), "stays void\t0\t0\t0\t0\t11\t100\n");
+}
+
+TEST_F(SittingTest, TheFreeExplorationIsNotRepeatedForItsFrames) {
+  Sitting one = sitting();
+  begin(one, BlockKind::free);
+  one.played({.losses = TouchLosses{.left_out_frames = 100, .skin_frames = 100}});
+  one.advance(now_ += 600'000 * ms);
+  one.advance(*one.next_ns());
+  EXPECT_EQ(count(EntryKind::broken), 0u);
+}
 
 TEST_F(SittingTest, NothingSoundsBeforeConsent) {
   Sitting one = sitting();

@@ -191,8 +191,8 @@ TEST_F(StudyFolder, TheShapesAreThoseOfMostLogs) {
   EXPECT_CONTAINS(testing::PrintToString(read_study(std::vector<std::string>{folder_.string()}).shapes), "cubo");
 }
 
-/// A journal with one run for each list of answered steps.
-std::string journal_of(const std::vector<std::vector<std::uint32_t>>& runs, bool finished) {
+/// A journal with one run for each list of answered steps. A machine broke off step 4 so often.
+std::string journal_of(const std::vector<std::vector<std::uint32_t>>& runs, bool finished, int broken = 0) {
   std::string text = head_line({.participant = 1, .plan_sha256 = "ab"}), digits(digits_of(text));
   const auto add = [&](const Entry& entry) {
     const std::string line = entry_line(entry, digits);
@@ -204,6 +204,8 @@ std::string journal_of(const std::vector<std::vector<std::uint32_t>>& runs, bool
     for (const std::uint32_t step : steps)
       add({.kind = EntryKind::answer, .step = step, .text = "cube"});
   }
+  for (int i = 0; i < broken; ++i)
+    add({.kind = EntryKind::broken, .step = 4, .by_machine = true, .text = "why"});
   if (finished) add({.kind = EntryKind::finish});
   return text;
 }
@@ -226,12 +228,16 @@ TEST_F(StudyFolder, AnswersThatAJournalHasAndNoLogAreNamed) {
   answered.push_back(98);
   answered.push_back(99);
   test::write_text(journal, journal_of({answered}, true));
-  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the answers of run 1 to step 98, 99 are in no log");
+  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the answers of run 1 to step 99, 100 are in no log");
   answered.resize(rows);
   test::write_text(journal, journal_of({answered, {7}}, true));
-  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the answer of run 2 to step 7 is in no log");
+  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the answer of run 2 to step 8 is in no log");
   test::write_text(journal, journal_of({answered, {}}, false));
   EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: the sitting is not finished");
+  test::write_text(journal, journal_of({answered}, true, 2));
+  EXPECT_TRUE(read().left_out.empty()) << "it was repeated";
+  test::write_text(journal, journal_of({answered}, true, 3));
+  EXPECT_CONTAINS(left_out(), "sub-1_journal.jsonl: step 5 stays void, because its stimulus was missing");
   test::write_text(journal, journal_of({answered}, true) + "x");
   EXPECT_TRUE(read().left_out.empty()) << "a line that was cut off while it was written";
   std::string damaged = journal_of({answered}, true);

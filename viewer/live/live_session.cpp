@@ -24,13 +24,14 @@ constexpr double skin_s = 3e-3, most_wait_s = 0.05;
 }  // namespace
 
 LiveSession::LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
-                         Patience patience)
+                         Patience patience, session::RunObserver& also)
     : options_(std::move(options)),
       kinds_(std::move(kinds)),
       stop_(&stop),
       ceiling_(options_.safety.ceiling),
       wake_(std::move(wake)),
-      patience_(patience) {
+      patience_(patience),
+      also_(&also) {
   options_.watched = true;
   if (kinds_.method) options_.own_method = kinds_.method;
   options_.safety.ceiling_now = &ceiling_;
@@ -252,6 +253,7 @@ void LiveSession::count(const session::FrameReport& report) {
 
 // On the compute thread.
 void LiveSession::planned(const session::FrameReport& report, const session::Plan& plan) {
+  also_->planned(report, plan);
   count(report);
   touches_ = report.touch->finger_count > 0;
   follow_poses(*session_);

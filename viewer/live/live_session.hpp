@@ -87,9 +87,9 @@ class LiveSession final : session::RunObserver {
   };
 
   /// Begins to load and then runs. Any thread may set `stop` to end the run. `wake` is called from other threads when
-  /// there is something new to see; it must not wait.
+  /// there is something new to see; it must not wait. `also` is told which frames have arrived and which are planned.
   LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
-              Patience patience = {});
+              Patience patience = {}, session::RunObserver& also = session::no_observer);
   /// Calls all_off() and waits for the end, also that of loading.
   ~LiveSession() override;
   LiveSession(const LiveSession&) = delete;
@@ -160,7 +160,10 @@ class LiveSession final : session::RunObserver {
   }
   void work();
   void publish_scene(setup::LiveRun& run);
-  void arrived(std::uint64_t sequence) override { gaps_.arrived(sequence); }
+  void arrived(std::uint64_t sequence) override {
+    gaps_.arrived(sequence);
+    also_->arrived(sequence);
+  }
   void planned(const session::FrameReport& report, const session::Plan& plan) override;
   void sent(bool sounds, const session::HandOver& counts) override { link_.count(sounds, counts); }
   void moved(std::uint32_t solid, const Transform& T_world_rest) override;
@@ -179,6 +182,7 @@ class LiveSession final : session::RunObserver {
   std::atomic<double> ceiling_;
   std::function<void()> wake_;
   Patience patience_;
+  session::RunObserver* also_;
   std::atomic<LiveState> state_{LiveState::loading};
   std::atomic<bool> over_{false};
   std::atomic<bool> unattended_{false};

@@ -210,10 +210,14 @@ void report(const setup::StudyRunOptions& options, const Outputs& outputs, const
             const study::Record& record) {
   if (!options.common.json.empty()) write_file(options.common.json, to_json(agenda, *options.participant));
   if (!setup::shows_summary(options.common, outputs)) return;
-  write_file("-",
-             fmt::format("participant {}: {} of {} steps complete, {} void, {}; see {}{}\n", *options.participant,
-                         agenda.complete(), agenda.steps().size(), agenda.voided(), counted(agenda.starts(), "start"),
-                         record.folder().beh().string(), agenda.finished() ? "" : "; the same command continues"));
+  std::string stay_void;
+  for (const std::uint32_t step : agenda.stay_void())
+    stay_void += fmt::format("{}{}", stay_void.empty() ? " (these stay void: step " : ", ", step + 1);
+  if (!stay_void.empty()) stay_void += ")";
+  write_file("-", fmt::format("participant {}: {} of {} steps complete, {} void{}, {}; see {}{}\n",
+                              *options.participant, agenda.complete(), agenda.steps().size(), agenda.voided(),
+                              stay_void, counted(agenda.starts(), "start"), record.folder().beh().string(),
+                              agenda.finished() ? "" : "; the same command continues"));
 }
 
 /// If all steps of the participant are in the journal, and only its end is missing, writes the end: this needs neither

@@ -57,6 +57,7 @@ std::string to_text(const study::TouchLosses& losses) {
   add(losses.skipped_drives, "drive", "never sent");
   add(losses.outdated_frames, "frame", "too late");
   add(losses.thinned_frames, "frame", "thinned");
+  add(losses.left_out_frames, "frame", "left out");
   return text;
 }
 
@@ -237,11 +238,12 @@ void Conductor::follow_touch() {
   if (touching) {
     ++touches_;
     presentation_->gate().forget();
-    presentation_->forget_overload();
+    presentation_->gate().frames().begin(run_->hold_s);
     if (keeps_depth()) presentation_->record(next_file("_depth"));
     return;
   }
   presentation_->close();
+  presentation_->gate().frames().end();
   if (keeps_depth()) presentation_->record("");
 }
 
@@ -253,11 +255,13 @@ bool Conductor::keeps_depth() const {
 /// What the touch under way has lost so far.
 study::TouchLosses Conductor::losses() const {
   const GateCounts counts = presentation_->gate().counts();
-  const Overload overload = presentation_->overload();
+  const FrameCounts frames = presentation_->gate().frames().counts();
   return {.drives = counts.lost(),
           .skipped_drives = counts.skipped,
-          .outdated_frames = overload.outdated,
-          .thinned_frames = overload.thinned};
+          .outdated_frames = frames.outdated,
+          .thinned_frames = frames.thinned,
+          .left_out_frames = frames.left_out,
+          .skin_frames = frames.skin};
 }
 
 /// Drives that are on their way count as soon as they are there.
@@ -272,6 +276,7 @@ void Conductor::wait_for_arrivals() const {
 std::string Conductor::end_touch() {
   presentation_->close();
   wait_for_arrivals();
+  presentation_->gate().frames().end();
   last_losses_ = losses();
   const study::Presented presented = sitting_->presented();
   const PlayedTouch played = presentation_->gate().take();
@@ -437,7 +442,11 @@ ExperimenterView Conductor::experimenter_view() const {
 void Conductor::tell_step(ExperimenterView& view) const {
   const study::Agenda& agenda = sitting_->agenda();
   add_line(view, "steps",
-           fmt::format("{} of {} complete, {} void", agenda.complete(), agenda.steps().size(), agenda.voided()));
+           fmt::format("{} of {} complete, {} void{}", agenda.complete(), agenda.steps().size(), agenda.voided(),
+                       agenda.stay_void().empty()
+                           ? std::string()
+                           : fmt::format(", {} stay void", counted(agenda.stay_void().size(), "step"))),
+           !agenda.stay_void().empty());
   if (!agenda.current()) return;
   const study::Step& step = agenda.step(*agenda.current());
   const study::BlockKind kind = plan_->blocks[step.block].kind;

@@ -150,7 +150,10 @@ void GateLink::send(std::uint64_t slot, std::span<const array::TransducerDrive> 
     gate_->note(slot, drive, now);
     if (session::sounds(drive)) gate_->played_ = true;
     pass([&] { planned ? link_->send_planned(slot, drive) : link_->send(slot, drive); });
-    if (!see_arrivals(now)) {
+    const bool none_arrived = see_arrivals(now);
+    if (newest_.schedule.voice_count > 0)
+      gate_->frames_.passed(newest_.schedule.time_s, session::sounds(drive), !none_arrived);
+    if (!none_arrived) {
       gate_->unheard_since_ = Gate::closed;
     } else if (session::sounds(drive) && (after_silence || gate_->unheard_since_ == Gate::closed)) {
       gate_->unheard_since_ = now.time_since_epoch().count();

@@ -18,6 +18,7 @@
 #include "session/clock.hpp"
 #include "session/links/hand_over.hpp"
 #include "session/links/link.hpp"
+#include "viewer/study/touch_frames.hpp"
 
 namespace palpa::viewer {
 
@@ -62,7 +63,7 @@ class Gate {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit Gate(const session::Clock& clock = session::real_clock()) : clock_(&clock) {}
+  explicit Gate(const session::Clock& clock = session::real_clock()) : clock_(&clock), frames_(clock) {}
 
   /// All moments are on its clock.
   Clock::time_point now() const { return time_of(*clock_); }
@@ -79,6 +80,9 @@ class Gate {
   PlayedTouch take();
   /// How many drives have passed and arrived since forget().
   GateCounts counts() const;
+  /// What became of the frames of a touch. Here it learns which of them passed.
+  TouchFrames& frames() { return frames_; }
+  const TouchFrames& frames() const { return frames_; }
   /// Whether a drive that sounds has passed within the last 100 ms.
   bool sounding(Clock::time_point now) const { return is_recent(last_sound_, now); }
   bool sounding() const { return sounding(now()); }
@@ -125,6 +129,7 @@ class Gate {
   void note(const PlayedFrame& frame);
 
   const session::Clock* clock_;
+  TouchFrames frames_;
   std::atomic<Clock::rep> until_{closed}, last_sound_{closed}, last_arrival_{closed}, unheard_since_{closed};
   std::atomic<bool> link_counts_{false}, out_of_reach_{false};
   std::atomic<bool> played_{false};  ///< since the link was opened, something that sounds was passed to it

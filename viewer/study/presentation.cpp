@@ -195,9 +195,8 @@ void Presentation::start() {
   placed_.reset();
   forget_seen();
   newest_ = 0;
-  overload_ = forgotten_ = {};
   session_ = std::make_unique<LiveSession>(options_of_method(*plan_, *method_, *run_, scene_file_.string()), kinds_,
-                                           *stop_, wake_);
+                                           *stop_, wake_, Patience{}, gate_.frames());
 }
 
 void Presentation::place() {
@@ -241,9 +240,7 @@ void Presentation::look() {
   place();
   if (session_->take()) {
     newest_ = session_->snapshot().sequence;
-    const LiveNumbers& numbers = session_->snapshot().numbers;
-    rate_hz_ = numbers.rate_hz;
-    overload_ = {numbers.thinned, numbers.outdated};
+    rate_hz_ = session_->snapshot().numbers.rate_hz;
     // The first snapshot after the shape was placed may be one that has waited here since long before.
     if (placed_ && !since_ && !std::exchange(may_be_old_, false)) since_ = newest_ + frames_until_placed;
     if (since_ && newest_ >= *since_ && !since_s_) since_s_ = session_->snapshot().time_s;
@@ -251,6 +248,8 @@ void Presentation::look() {
   if (session_->take_seen() && since_ && session_->seen().sequence >= *since_) {
     lowest_ = lowest_point(session_->seen().skin.points, shapes_->shapes[*shape_].box);
     seen_at_ = gate_.now();
+    const std::optional<double> depth = deepest_m();
+    gate_.frames().seen(session_->seen().sequence, depth.has_value(), depth && !(*depth <= plan_->run.deep_m));
   }
 }
 

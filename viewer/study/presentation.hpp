@@ -41,11 +41,6 @@ void try_study_source(const study::StudyPlan& plan, const setup::StudyRunOptions
 void check_study_links(const study::StudyPlan& plan, const setup::StudyRunOptions& run,
                        const LiveSession::Kinds& kinds);
 
-/// Frames of a session that a machine with too much to do did not look at in full.
-struct Overload {
-  std::uint64_t thinned = 0, outdated = 0;  ///< see LiveNumbers
-};
-
 class Presentation {
  public:
   using Clock = Gate::Clock;
@@ -85,11 +80,6 @@ class Presentation {
   /// What the session uses, while it runs; nullptr otherwise.
   std::shared_ptr<const LiveScene> scene() const { return session_ ? session_->scene() : nullptr; }
   double rate_hz() const { return rate_hz_; }
-  /// Counts the frames since forget_overload().
-  Overload overload() const {
-    return {overload_.thinned - forgotten_.thinned, overload_.outdated - forgotten_.outdated};
-  }
-  void forget_overload() { forgotten_ = overload_; }
   /// Duration of a slot of the wanted method.
   double slot_s() const;
 
@@ -126,7 +116,6 @@ class Presentation {
   std::optional<Vec3> lowest_;
   std::optional<Clock::time_point> seen_at_;
   double rate_hz_ = 0;
-  Overload overload_, forgotten_;  ///< of this session
 };
 
 }  // namespace palpa::viewer

@@ -48,6 +48,7 @@ Entry entry_of(const Json& object) {
   if (!kind) throw failure("what happened is unknown");
   Entry entry{.kind = *kind, .at_ns = object.at("at_ns").get<std::int64_t>()};
   if (object.contains("step")) entry.step = object["step"].get<std::uint32_t>();
+  entry.by_machine = number_or(object, "by_machine", false);
   entry.text = number_or<std::string>(object, "text", "");
   entry.version = number_or<std::string>(object, "version", "");
   entry.rehearsal = number_or(object, "rehearsal", false);
@@ -70,7 +71,9 @@ Entry entry_of(const Json& object) {
       entry.stimulus->losses = TouchLosses{.drives = number_or<std::uint64_t>(*losses, "drives", 0),
                                            .skipped_drives = number_or<std::uint64_t>(*losses, "skipped_drives", 0),
                                            .outdated_frames = number_or<std::uint64_t>(*losses, "outdated_frames", 0),
-                                           .thinned_frames = number_or<std::uint64_t>(*losses, "thinned_frames", 0)};
+                                           .thinned_frames = number_or<std::uint64_t>(*losses, "thinned_frames", 0),
+                                           .left_out_frames = number_or<std::uint64_t>(*losses, "left_out_frames", 0),
+                                           .skin_frames = number_or<std::uint64_t>(*losses, "skin_frames", 0)};
     }
   }
   return entry;
@@ -90,6 +93,8 @@ void write_stimulus(JsonWriter& json, const Stimulus& stimulus) {
         .member("skipped_drives", stimulus.losses->skipped_drives)
         .member("outdated_frames", stimulus.losses->outdated_frames)
         .member("thinned_frames", stimulus.losses->thinned_frames)
+        .member("left_out_frames", stimulus.losses->left_out_frames)
+        .member("skin_frames", stimulus.losses->skin_frames)
         .end_object();
   }
   json.end_object();
@@ -120,6 +125,7 @@ std::string entry_line(const Entry& entry, std::string_view before) {
       .member("what", word_of(entry_words, entry.kind))
       .member("at_ns", entry.at_ns);
   if (entry.step) json.member("step", *entry.step);
+  if (entry.by_machine) json.member("by_machine", true);
   if (!entry.text.empty()) json.member("text", entry.text);
   if (!entry.version.empty()) json.member("version", entry.version);
   if (entry.rehearsal) json.member("rehearsal", true);

@@ -54,12 +54,17 @@ inline constexpr Word<EntryKind> entry_words[] = {
     {"pause", EntryKind::pause},   {"resume", EntryKind::resume},   {"stop", EntryKind::stop},
     {"finish", EntryKind::finish}};
 
+/// How often a step is repeated that a machine broke off, or that lacked its stimulus. Then it stays void.
+inline constexpr std::uint32_t most_repeats = 2;
+
 /// What a touch lost because the machine or the array could not follow.
 struct TouchLosses {
   std::uint64_t drives = 0;           ///< that sound and that the array never got
   std::uint64_t skipped_drives = 0;   ///< that were never sent, because the program was too late
   std::uint64_t outdated_frames = 0;  ///< whose drives came too late to sound
   std::uint64_t thinned_frames = 0;   ///< only some of their pixels were looked at, or only some of their foci played
+  std::uint64_t left_out_frames = 0;  ///< of which no drive reached the array
+  std::uint64_t skin_frames = 0;      ///< all frames with skin over the object, of which the frames above are some
   bool operator==(const TouchLosses&) const = default;
 };
 
@@ -81,6 +86,7 @@ struct Entry {
   std::int64_t at_ns = 0;               ///< on a clock that only goes forward, from the last start
   std::optional<double> sounded_s{};    ///< how long the array has sounded since the entry before, if it has
   std::optional<std::uint32_t> step{};  ///< index into the participant's order
+  bool by_machine = false;              ///< of void: no person broke it off, so it is repeated only most_repeats times
   std::string text{};                   ///< answer, chosen shape, reason; of a start: its UTC time
   std::string version{};                ///< of a start: palpa's
   bool rehearsal = false;               ///< of a start: nobody was there

@@ -135,10 +135,14 @@ void compare_with_journal(Folder& folder) {
     return;
   }
   std::vector<std::vector<std::uint32_t>> runs;  // the steps that were answered in each
+  std::map<std::uint32_t, std::uint32_t> by_machine;
+  std::vector<std::uint32_t> stay_void;
   bool finished = false;
   for (const Entry& entry : journal.entries) {
     if (entry.kind == EntryKind::start) runs.emplace_back();
-    if (entry.kind == EntryKind::answer && !runs.empty()) runs.back().push_back(entry.step.value_or(0));
+    if (entry.kind == EntryKind::answer && !runs.empty()) runs.back().push_back(entry.step.value_or(0) + 1);
+    if (entry.kind == EntryKind::broken && entry.by_machine && ++by_machine[entry.step.value_or(0) + 1] > most_repeats)
+      stay_void.push_back(entry.step.value_or(0) + 1);
     finished = finished || entry.kind == EntryKind::finish;
   }
   for (std::size_t run = 0; run < runs.size(); ++run) {
@@ -164,6 +168,12 @@ void compare_with_journal(Folder& folder) {
         file.string(), missing.size() == 1 ? "the answer" : "the answers", run + 1, fmt::join(missing, ", "),
         missing.size() == 1 ? "is" : "are", missing.size() == 1 ? "it" : "them", missing.size() == 1 ? "it" : "them",
         missing.size() == 1 ? "it is" : "they are"));
+  }
+  if (!stay_void.empty()) {
+    folder.left_out.push_back(fmt::format(
+        "{}: {} {} {} void, because {} stimulus was missing, or the array failed, each time; the log has the reasons",
+        file.string(), stay_void.size() == 1 ? "step" : "steps", fmt::join(stay_void, ", "),
+        stay_void.size() == 1 ? "stays" : "stay", stay_void.size() == 1 ? "its" : "their"));
   }
   if (!finished && !runs.empty()) {
     folder.left_out.push_back(
@@ -381,11 +391,14 @@ void add_course(std::vector<DepthCourse>& courses, std::size_t place, std::size_
 Participant assemble(Folder& folder, const Study& study) {
   Participant participant{.number = folder.number, .place = folder.path.string()};
   participant.voids.resize(study.methods.size(), 0);
+  participant.void_shapes.resize(study.methods.size() * study.shapes.size(), 0);
   for (const Session& session : folder.sessions) {
     std::size_t course = 0;
     for (const EventRow& row : session.events.rows) {
       if (row.kind == BlockKind::trial && row.status == EventStatus::broken) {
-        if (const auto method = place_in(study.methods, row.method)) ++participant.voids[*method];
+        const auto method = place_in(study.methods, row.method), shape = place_in(study.shapes, row.shape);
+        if (method) ++participant.voids[*method];
+        if (method && shape) ++participant.void_shapes[*method * study.shapes.size() + *shape];
       }
       if (row.kind == BlockKind::familiarise && row.status == EventStatus::answered) {
         ++participant.asked;

@@ -31,9 +31,11 @@ struct DepthCourse {
 
 struct Participant {
   std::uint32_t number = 0;
-  std::string place{};                  ///< its folder, for messages
-  std::vector<Trial> trials{};          ///< in the order in which they took place
-  std::vector<std::uint32_t> voids{};   ///< trials that were broken off, by method
+  std::string place{};                 ///< its folder, for messages
+  std::vector<Trial> trials{};         ///< in the order in which they took place
+  std::vector<std::uint32_t> voids{};  ///< void trials, by method
+  /// The same by method, then shape: trials lack their stimulus for a reason, not by chance.
+  std::vector<std::uint32_t> void_shapes{};
   std::uint32_t asked = 0, unfelt = 0;  ///< familiarisations after which it was asked, and those without a sensation
   std::vector<DepthCourse> depths{};    ///< by method, then shape; empty without a recording of the finger
 };

@@ -31,6 +31,12 @@ void add_overview(HtmlPage& page, const Analysis& analysis) {
                          "participants ({} resamples, seed {}).",
                          bootstrap_resamples(analysis.study.participants.size()), analysis.seed),
              rows);
+  std::vector<std::string> voids;
+  for (const MethodResult& method : analysis.results.methods) {
+    if (const std::string shapes = void_text(analysis, method); !shapes.empty())
+      voids.push_back(fmt::format("{}: void trials by shape, which is not chance: {}", method.pooled.name, shapes));
+  }
+  if (!voids.empty()) page.list(voids);
 }
 
 void add_pair(HtmlPage& page, const Analysis& analysis, const MethodPair& pair) {

@@ -28,6 +28,10 @@ void put_methods(JsonWriter& json, const Analysis& analysis) {
     const MethodCourse& course = analysis.courses[m];
     json.begin_object().member("name", method.pooled.name).member("participants", std::uint64_t{method.results.size()});
     json.member("void", method.voids);
+    json.key("void_by_shape").begin_array(Style::line);
+    for (const std::uint32_t voids : method.void_shapes)
+      json.value(voids);
+    json.end_array();
     put(json, "mean_accuracy", method.mean_accuracy);
     put(json, "deviation", method.deviation);
     put(json, "t_interval", method.t);

@@ -28,6 +28,8 @@ std::string analysis_text(const Analysis& analysis) {
     fmt::format_to(out, "\n{}: mean accuracy {} of {}, SD {}, 95 % {}; {} void\n", printable(method.pooled.name),
                    shown(method.mean_accuracy), counted(method.accuracies.size(), "participant"),
                    shown(method.deviation), shown(method.t), counted(method.voids, "trial"));
+    if (const std::string voids = void_text(analysis, method); !voids.empty())
+      fmt::format_to(out, "  void by shape, which is not chance: {}\n", voids);
     text += measures_text(method.pooled);
   }
   for (const MethodPair& pair : analysis.between.pairs) {

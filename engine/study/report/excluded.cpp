@@ -19,6 +19,16 @@ std::uint64_t trials_of(const Analysis& analysis, std::size_t person, std::size_
 
 }  // namespace
 
+std::string void_text(const Analysis& analysis, const MethodResult& method) {
+  std::string text;
+  for (std::size_t shape = 0; shape < method.void_shapes.size(); ++shape) {
+    if (method.void_shapes[shape] == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", printable(analysis.study.shapes[shape]),
+                        method.void_shapes[shape]);
+  }
+  return text;
+}
+
 std::vector<std::string> excluded_lines(const Analysis& analysis, const MethodPair& pair) {
   if (pair.excluded.empty()) return {};
   std::vector<std::string> people;

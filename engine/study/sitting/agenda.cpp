@@ -11,7 +11,8 @@
 
 namespace palpa::study {
 
-Agenda::Agenda(std::vector<Step> steps) : steps_(std::move(steps)), left_(steps_.size()) {
+Agenda::Agenda(std::vector<Step> steps)
+    : steps_(std::move(steps)), left_(steps_.size()), by_machine_(steps_.size(), 0) {
   std::iota(left_.begin(), left_.end(), 0u);
 }
 
@@ -59,6 +60,14 @@ std::string Agenda::take(const Entry& entry) {
       ++complete_;
       break;
     case EntryKind::broken:
+      if (entry.by_machine && last_repeat()) {
+        stay_void_.push_back(left_.front());
+        left_.pop_front();
+        open_ = false;
+        ++voided_;
+        break;
+      }
+      by_machine_[left_.front()] += entry.by_machine ? 1 : 0;
       put_back();
       break;
     case EntryKind::finish:
@@ -92,6 +101,7 @@ std::string to_json(const Agenda& agenda, std::uint32_t participant) {
       .member("participant", participant)
       .member("complete", agenda.complete())
       .member("void", agenda.voided())
+      .member("stay_void", agenda.stay_void().size())
       .member("starts", agenda.starts())
       .member("ended", agenda.finished())
       .end_object();

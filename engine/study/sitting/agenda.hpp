@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "study/plan/order.hpp"
 #include "study/files/journal.hpp"
+#include "study/plan/order.hpp"
 
 namespace palpa::study {
 
@@ -25,7 +25,8 @@ class Agenda {
   explicit Agenda(std::vector<Step> steps);
 
   /// Takes the next entry. A step that was begun and is interrupted, by another start or by a `broken` entry, is void:
-  /// it moves to the end of its round. Returns what is wrong if the entry cannot follow the entries before; empty if it
+  /// it moves to the end of its round. After the last of its repeats (most_repeats), it stays void, and the next step
+  /// follows. Returns what is wrong if the entry cannot follow the entries before; empty if it
   /// can.
   std::string take(const Entry& entry);
 
@@ -38,6 +39,10 @@ class Agenda {
   bool finished() const { return finished_; }  ///< nothing can follow any more
   std::size_t complete() const { return complete_; }
   std::size_t voided() const { return voided_; }
+  /// The steps that stay void, in the order in which they were given up.
+  const std::vector<std::uint32_t>& stay_void() const { return stay_void_; }
+  /// Whether the current step stays void if it is broken off by a machine once more.
+  bool last_repeat() const { return !left_.empty() && by_machine_[left_.front()] == most_repeats; }
   std::uint32_t starts() const { return starts_; }
   const std::optional<Consent>& consent() const { return consent_; }
 
@@ -46,6 +51,8 @@ class Agenda {
 
   std::vector<Step> steps_;
   std::deque<std::uint32_t> left_;
+  std::vector<std::uint32_t> by_machine_;  ///< how often each step was broken off by a machine
+  std::vector<std::uint32_t> stay_void_;
   std::optional<Consent> consent_;
   bool open_ = false, finished_ = false;
   std::size_t complete_ = 0, voided_ = 0;

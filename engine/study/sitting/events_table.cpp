@@ -129,7 +129,8 @@ std::vector<PlayedStep> played_steps(const StudyPlan& plan, std::span<const Step
 std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std::span<const Entry> run) {
   std::string table =
       "onset\tduration\ttrial_type\tmethod\tshape\tanswer\tcorrect\tresponse_time\tstatus\tdeep_time\t"
-      "step\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\n";
+      "step\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\tleft_out_frames\t"
+      "skin_frames\n";
   for (const Begun& begun : begun_in(run)) {
     const Step& step = steps[begun.step];
     const PlanBlock& block = plan.blocks[step.block];
@@ -139,17 +140,18 @@ std::string events_table(const StudyPlan& plan, std::span<const Step> steps, std
     const auto number = [&](std::uint64_t TouchLosses::*which) {
       return begun.losses ? std::to_string((*begun.losses).*which) : std::string(not_available);
     };
-    fmt::format_to(std::back_inserter(table), "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{}\n",
-                   seconds(begun.begin_ns), begun.end_ns ? seconds(*begun.end_ns - begun.begin_ns) : not_available,
-                   word_of(block_words, block.kind), plan.methods[step.method].name,
-                   named ? plan.shapes[*step.shape].name : std::string(not_available), cell(begun.answer),
-                   !right   ? not_available
-                   : *right ? std::string_view("true")
-                            : std::string_view("false"),
-                   begun.answer_ns && begun.end_ns ? seconds(*begun.answer_ns - *begun.end_ns) : not_available,
-                   word_of(status_words, begun.status), begun.deep_s, begun.step + 1, cell(begun.why),
-                   number(&TouchLosses::drives), number(&TouchLosses::skipped_drives),
-                   number(&TouchLosses::outdated_frames), number(&TouchLosses::thinned_frames));
+    fmt::format_to(
+        std::back_inserter(table), "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{:.3f}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\n",
+        seconds(begun.begin_ns), begun.end_ns ? seconds(*begun.end_ns - begun.begin_ns) : not_available,
+        word_of(block_words, block.kind), plan.methods[step.method].name,
+        named ? plan.shapes[*step.shape].name : std::string(not_available), cell(begun.answer),
+        !right   ? not_available
+        : *right ? std::string_view("true")
+                 : std::string_view("false"),
+        begun.answer_ns && begun.end_ns ? seconds(*begun.answer_ns - *begun.end_ns) : not_available,
+        word_of(status_words, begun.status), begun.deep_s, begun.step + 1, cell(begun.why),
+        number(&TouchLosses::drives), number(&TouchLosses::skipped_drives), number(&TouchLosses::outdated_frames),
+        number(&TouchLosses::thinned_frames), number(&TouchLosses::left_out_frames), number(&TouchLosses::skin_frames));
   }
   return table;
 }
@@ -196,14 +198,18 @@ std::string events_sidecar(const StudyPlan& plan, std::uint32_t participant, std
   column(json, "answer", "the answer of the participant");
   column(json, "correct", "whether the answer was right, if there is a right one");
   column(json, "response_time", "from the end of the touch to the answer", "s");
-  column(json, "status", "answered, done, or void: broken off, and repeated later");
+  column(json, "status", "answered, done, or void: broken off, or without its stimulus; repeated later");
   column(json, "deep_time", "how long nothing was played because a point was too deep", "s");
   column(json, "step", "the number in the participant's order; a repeated step has the same number");
   column(json, "reason", "why the step is void");
   column(json, "lost_drives", "how many drives that sound the array never got");
   column(json, "skipped_drives", "how many drives were never sent, because the program was too late");
-  column(json, "outdated_frames", "how many frames were too late to be played");
-  column(json, "thinned_frames", "how many frames were played with fewer pixels or foci, because time was short");
+  column(json, "outdated_frames", "how many frames with skin over the object were too late to be played");
+  column(json, "thinned_frames", "how many of them were played with fewer pixels or foci, because time was short");
+  column(json, "left_out_frames", "how many of them were never played: no drive of theirs reached the array");
+  column(json, "skin_frames",
+         "how many frames had skin over the object; with more than a tenth of them outdated, thinned or left out, a "
+         "touch is void");
   json.end_object();
   return json.take();
 }

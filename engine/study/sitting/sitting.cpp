@@ -15,7 +15,18 @@ std::int64_t ns_of(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * 1e9));
 }
 
+std::string lack_of(const TouchLosses& losses) {
+  return fmt::format(
+      "the touch lacked its stimulus: of {} frames with skin over the object, {} were thinned, {} outdated and {} left "
+      "out, and at most a tenth may be: end other programs",
+      losses.skin_frames, losses.thinned_frames, losses.outdated_frames, losses.left_out_frames);
+}
+
 }  // namespace
+
+bool lacks_stimulus(const TouchLosses& losses) {
+  return 10 * (losses.thinned_frames + losses.outdated_frames + losses.left_out_frames) > losses.skin_frames;
+}
 
 Sitting::Sitting(const StudyPlan& plan, Agenda agenda, Entry start, std::function<void(const Entry&)> write)
     : plan_(plan), agenda_(std::move(agenda)), write_(std::move(write)) {
@@ -89,6 +100,7 @@ void Sitting::end() {
 }
 
 void Sitting::begin_step(std::int64_t now_ns) {
+  reason_.clear();
   record({.kind = EntryKind::begin, .at_ns = now_ns, .step = agenda_.current()});
   chosen_ = step().shape.value_or(0);
   if (block().kind == BlockKind::rest) {
@@ -117,12 +129,16 @@ void Sitting::count_deep(std::int64_t now_ns) {
 void Sitting::end_touch(std::int64_t now_ns) {
   count_deep(now_ns);
   sounding_ = false;  // before anything is written: a disk may be slow
+  const std::optional<TouchLosses> losses = stimulus_ ? stimulus_->losses : std::nullopt;
   record({.kind = EntryKind::touched,
           .at_ns = now_ns,
           .step = agenda_.current(),
           .deep_s = deep_s_,
           .stimulus = std::exchange(stimulus_, std::nullopt)});
-  if (asks_now()) {
+  if (losses && lacks_stimulus(*losses) && block().kind != BlockKind::free) {
+    break_off(lack_of(*losses), true, now_ns);
+    next_step();
+  } else if (asks_now()) {
     screen_ = Screen::question;
   } else {
     complete({.kind = EntryKind::done, .at_ns = now_ns});
@@ -135,16 +151,20 @@ void Sitting::complete(Entry entry) {
   next_step();
 }
 
-void Sitting::break_off(const std::string& why, std::int64_t now_ns) {
+void Sitting::break_off(std::string why, bool by_machine, std::int64_t now_ns) {
   sounding_ = false;
-  if (agenda_.open()) record({.kind = EntryKind::broken, .at_ns = now_ns, .step = agenda_.current(), .text = why});
+  reason_ = why;
+  if (!agenda_.open()) return;
+  if (by_machine && agenda_.last_repeat()) why += "; it was repeated often enough and stays void";
+  record(
+      {.kind = EntryKind::broken, .at_ns = now_ns, .step = agenda_.current(), .by_machine = by_machine, .text = why});
+  reason_ = why;
 }
 
-void Sitting::pause(const std::string& why, std::int64_t now_ns) {
-  break_off(why, now_ns);
+void Sitting::pause(const std::string& why, bool by_machine, std::int64_t now_ns) {
+  break_off(why, by_machine, now_ns);
   record({.kind = EntryKind::pause, .at_ns = now_ns, .text = why});
   screen_ = Screen::paused;
-  reason_ = why;
 }
 
 // ---- what happens -------------------------------------------------------------------------------------------------
@@ -153,14 +173,13 @@ void Sitting::act(Act act, std::int64_t now_ns) {
   const std::int64_t now = forward(now_ns);
   if (screen_ == Screen::end || screen_ == Screen::stopped) return;
   if (act == Act::stop) {
-    break_off("stopped by the experimenter", now);
+    break_off("stopped by the experimenter", false, now);
     record({.kind = EntryKind::stop, .at_ns = now});
     screen_ = Screen::stopped;
-    reason_ = "stopped by the experimenter";
     return;
   }
   if (act == Act::pause) {
-    if (screen_ != Screen::setup && screen_ != Screen::paused) pause("paused by the experimenter", now);
+    if (screen_ != Screen::setup && screen_ != Screen::paused) pause("paused by the experimenter", false, now);
     return;
   }
   const bool free = screen_ == Screen::touching && block().kind == BlockKind::free;
@@ -183,7 +202,7 @@ void Sitting::turn_shape(Act act, std::int64_t now_ns) {
 void Sitting::act_here(Act act, std::int64_t now_ns) {
   switch (screen_) {
     case Screen::touching:
-      return pause("silenced by a key of the participant", now_ns);
+      return pause("silenced by a key of the participant", false, now_ns);
     case Screen::setup:
       if (act == Act::go_on) ask_or_go_on();
       return;
@@ -266,13 +285,13 @@ void Sitting::fault(const std::string& what, std::int64_t now_ns) {
     reason_ = what;
     return;
   }
-  pause(what, now);
+  pause(what, true, now);
 }
 
 void Sitting::advance(std::int64_t now_ns) {
   const std::int64_t now = forward(now_ns);
   if (screen_ == Screen::touching && gap_ns_ > longest_gap_ns) {
-    pause(fmt::format("the program stood still for {:.1f} s", static_cast<double>(gap_ns_) * 1e-9), now);
+    pause(fmt::format("the program stood still for {:.1f} s", static_cast<double>(gap_ns_) * 1e-9), true, now);
     return;
   }
   if (!next_ns() || now < until_ns_) return;

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "study/files/journal.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/agenda.hpp"
-#include "study/files/journal.hpp"
 
 namespace palpa::study {
 
@@ -52,6 +52,10 @@ struct Presented {
   bool operator==(const Presented&) const = default;
 };
 
+/// Whether a touch lacked its stimulus: more than a tenth of its frames with skin over the object were thinned,
+/// outdated or left out. The answer to such a touch says nothing.
+bool lacks_stimulus(const TouchLosses& losses);
+
 class Sitting {
  public:
   /// Continues after the entries that `agenda` has taken, and writes the start, and the end if no step is left. Times
@@ -66,11 +70,13 @@ class Sitting {
   void choose(std::size_t shape, std::int64_t now_ns);
   /// The depth of the deepest captured point below the top of the object, metres; nothing if none was captured.
   void captured(const std::optional<double>& deepest_m, std::int64_t now_ns);
-  /// A camera, the array or a disk failed: silence, and a pause that says why. The step under way is void.
+  /// A camera, the array or a disk failed: silence, and a pause that says why. The step under way is void. It is
+  /// repeated at most most_repeats times, as one that lacked its stimulus.
   void fault(const std::string& what, std::int64_t now_ns);
   /// Must be called at least ten times a second while next_ns() is near, and with every frame.
   void advance(std::int64_t now_ns);
-  /// Adds what was played to the entry of the touch that ends next.
+  /// Adds what was played to the entry of the touch that ends next. If the touch lacked its stimulus, its step is void
+  /// and nothing is asked, except in the free exploration.
   void played(Stimulus stimulus) { stimulus_ = std::move(stimulus); }
   /// Writes the predicted or measured level, on setup.
   void level(double level_db, double dose_db, const std::string& signature, std::int64_t now_ns);
@@ -88,7 +94,7 @@ class Sitting {
   bool has_choice(std::size_t choice) const;
   bool shows_object() const;  ///< the object is visible, not only its marker
   bool shows_marker() const;
-  /// Why it is paused or stopped, for the experimenter.
+  /// Why it is paused or stopped, or why the last touch is void, for the experimenter.
   const std::string& reason() const { return reason_; }
   const Agenda& agenda() const { return agenda_; }
   const PlanBlock& block() const;  ///< of the current step; there must be one
@@ -108,8 +114,8 @@ class Sitting {
   void begin_touch(std::int64_t now_ns);
   void end_touch(std::int64_t now_ns);
   void complete(Entry entry);
-  void break_off(const std::string& why, std::int64_t now_ns);
-  void pause(const std::string& why, std::int64_t now_ns);
+  void break_off(std::string why, bool by_machine, std::int64_t now_ns);
+  void pause(const std::string& why, bool by_machine, std::int64_t now_ns);
   void count_deep(std::int64_t now_ns);
   std::int64_t forward(std::int64_t now_ns);
   const Step& step() const { return agenda_.step(*agenda_.current()); }

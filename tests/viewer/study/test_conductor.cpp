@@ -174,7 +174,8 @@ TEST_F(ConductorTest, ATouchLeavesEverythingThatWasPlayed) {
         << "slots that were late were skipped";
   }
   const std::string log = test::read_text(beh("_events.tsv"));
-  EXPECT_CONTAINS(log, "\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\n");
+  EXPECT_CONTAINS(
+      log, "\treason\tlost_drives\tskipped_drives\toutdated_frames\tthinned_frames\tleft_out_frames\tskin_frames\n");
   EXPECT_CONTAINS(log, "\tn/a\t0\t") << "no reason, no drive was lost";
   // The depth of the finger, as the analysis reads it.
   const study::Study study = study::read_study(std::vector<std::string>{(folder_ / "study").string()});
@@ -385,6 +386,40 @@ TEST_F(ConductorTest, ATouchOfWhichTooLittleArrivesIsVoid) {
   bench_->press(Key::space, true);
   ASSERT_TRUE(bench_->goes_until([&] { return bench_->sitting().agenda().complete() == 1; }));
   EXPECT_EQ(bench_->sitting().agenda().voided(), 1u);
+}
+
+/// The frames that are left out are made up, and the clock is put forward: it does not matter how many real ones a busy
+/// machine leaves out, nor how long it stands still.
+TEST_F(ConductorTest, ATrialWithoutItsStimulusIsRepeatedTwiceAndThenStaysVoid) {
+  prepare("[[block]]\nkind = \"trial\"\nrepeats = 1\n", 2);
+  bench_->options().hold_s = 0.1;
+  bench_->begin();
+  std::uint64_t sequence = 1'000'000;
+  ASSERT_TRUE(bench_->goes_until([&] {
+    if (bench_->sitting().screen() == Screen::paused) bench_->press(Key::space, true);
+    if (bench_->sitting().screen() == Screen::touching) {
+      TouchFrames& frames = bench_->conductor().presentation().gate().frames();
+      for (int i = 0; i < 100; ++i)
+        frames.arrived(++sequence);
+      frames.seen(sequence, true, false);
+      bench_->clock().forward(0.4);
+    }
+    return bench_->conductor().over();
+  })) << bench_->sitting().reason();
+  EXPECT_EQ(bench_->sitting().screen(), Screen::end);
+  const study::Agenda& agenda = bench_->sitting().agenda();
+  EXPECT_EQ(agenda.complete(), 0u) << "nothing was asked";
+  EXPECT_EQ(agenda.voided(), 3 * agenda.steps().size());
+  EXPECT_EQ(agenda.stay_void().size(), agenda.steps().size());
+  EXPECT_CONTAINS(shown("steps").value, "4 steps stay void");
+  EXPECT_TRUE(shown("steps").warns);
+  const std::string log = test::read_text(beh("_events.tsv"));
+  EXPECT_CONTAINS(log, "\tvoid\t");
+  EXPECT_CONTAINS(log, "the touch lacked its stimulus: of ");
+  EXPECT_CONTAINS(log, "; it was repeated often enough and stays void\t");
+  EXPECT_EQ(log.find("\tanswered\t"), std::string::npos);
+  bench_->end();
+  EXPECT_FALSE(bench_->heard()->last_sounds);
 }
 
 TEST_F(ConductorTest, AnAnswerBeforeTheQuestionIsIgnored) {

@@ -295,8 +295,9 @@ TEST_F(GateTest, KnowsTheFrameOfTheNewestPlan) {
 }
 
 TEST(StudyLosses, AreToldEachByItsNumber) {
-  EXPECT_EQ(to_text({.drives = 1, .skipped_drives = 2, .outdated_frames = 3, .thinned_frames = 4}),
-            "1 drive lost, 2 drives never sent, 3 frames too late, 4 frames thinned");
+  EXPECT_EQ(
+      to_text({.drives = 1, .skipped_drives = 2, .outdated_frames = 3, .thinned_frames = 4, .left_out_frames = 5}),
+      "1 drive lost, 2 drives never sent, 3 frames too late, 4 frames thinned, 5 frames left out");
   EXPECT_EQ(to_text({.thinned_frames = 1}), "1 frame thinned");
   EXPECT_EQ(to_text({}), "");
 }
