@@ -40,19 +40,27 @@ step() {
 
 # The wheel and the sdist of this Debian, in $base/wheels.
 make_here() {
+  local before
+  before=$(ls -A)
   ./dev wheel "$1"
+  if [[ $(ls -A) != "$before" ]]; then
+    echo "making a wheel leaves something beside the sources"
+    return 1
+  fi
   rm -rf "$base/wheels"
   cp -r build/wheels "$base/wheels"
 }
 make_there() {
-  local maker=$base/maker
+  local maker=$base/maker settings=(CCACHE_DIR=/srv/ccache)
   fresh_debian "$version" "$maker"
   mkdir -p "$maker/srv/palpa" "$base/ccache"
   pack "$base/palpa.tar"
   tar -C "$maker/srv/palpa" -xf "$base/palpa.tar"
   mv "$base/ccache" "$maker/srv/ccache" # what was compiled last time
+  # pip there trusts whom pip here does.
+  ! cp -L /etc/ssl/certs/ca-certificates.crt "$maker/srv/" || settings+=(PIP_CERT=/srv/ca-certificates.crt)
   local made=0
-  inside "$maker" CCACHE_DIR=/srv/ccache sh -c 'apt-get -q update && cd /srv/palpa && ./dev wheel' || made=1
+  inside "$maker" "${settings[@]}" sh -c 'apt-get -q update && cd /srv/palpa && ./dev wheel' || made=1
   mv "$maker/srv/ccache" "$base/ccache"
   rm -rf "$base/wheels"
   ((made)) || cp -r "$maker/srv/palpa/build/wheels" "$base/wheels"
