@@ -12,6 +12,7 @@ check        ./dev check
 live         ./dev test live
 usb          ./dev test usb
 firmware     ./dev test firmware
+autd3        ./dev test autd3
 $(tests/house/matrix.sh list | awk '{ printf "%-12s ./dev test matrix %s\n", $1, $1 }')
 fuzz         ./dev test fuzz 60 1
 kill         ./dev test kill 60 1
