@@ -29,7 +29,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "palpa"
 TRANSDUCERS = 249
-MEANT, LOOKS, LOOK_S = "0.3s", 30, 0.01  # the sensations below repeat sooner
+MEANT, LOOKS, LOOK_S = "3s", 30, 0.01  # the sensations below repeat sooner
+STEP = 1.6  # of the widths of pulses, in 1/255 of the full amplitude; a gain is rounded down to a step
 PATIENCE_S = 60  # for everything that has to happen at some time
 
 
@@ -203,10 +204,10 @@ class Meant:
         if unit["kind"] == "foci":
             first, axes = frame_of(of, units)
             computed = [computed_phases(np.rint((axes.T @ (focus - first)) / 0.025e-3).astype(int), unit["sound_speed"]) for focus in self.foci]
-            right = any((phases == phase).all() for phases in computed) and (amplitude_off < 1.001).any()
+            right = any((phases == phase).all() for phases in computed) and (amplitude_off < STEP).any()
             self.most_true = max(self.most_true, off.min())
         else:
-            near = np.flatnonzero((off < 0.501) & (amplitude_off < 1.001))
+            near = np.flatnonzero((off < 0.501) & (amplitude_off < STEP))
             right = len(near) > 0
             if right:
                 self.most_phase = max(self.most_phase, off[near[0]])
@@ -290,9 +291,9 @@ def units_of(stage, program, release, kind):
         units = kind(program, release, count)
         try:
             name = f"{release}, {count} unit" + "s" * (count > 1)
-            common = ["--layout", layout, "--ceiling", "1"]
-            stage.play(f"{name}, circle", units, count, ["play", "circle", *common])
-            stage.play(f"{name}, circle, amplitudes by distance", units, count, ["play", "circle", "--amplitude", "distance", *common])
+            common, slow = ["--layout", layout, "--ceiling", "1"], ["--dwell", "5ms"]
+            stage.play(f"{name}, circle", units, count, ["play", "circle", *slow, *common])
+            stage.play(f"{name}, circle, amplitudes by distance", units, count, ["play", "circle", "--amplitude", "distance", *slow, *common])
             stage.play(f"{name}, point", units, count, ["play", "point", *common])
             stage.kill(name, units, ["play", "circle", *common])
         finally:
