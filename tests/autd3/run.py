@@ -7,7 +7,7 @@ focus, with the firmware's formula in whole numbers. Ends palpa by Ctrl-C and ki
 to the emulator of the Python package autd3 0.12.0, which has to accept every frame.
 
 The Rust programs beside this file are built once, outside the clone: in $XDG_CACHE_HOME/palpa (~/.cache/palpa). The Python package
-goes there, too. --built uses what is there, and builds and fetches nothing. What cannot be had is skipped by name.
+goes there, too. --built uses what is there, and builds and fetches nothing. Whatever is missing is skipped by name.
 """
 import argparse
 import json
@@ -136,7 +136,7 @@ class ServedUnits(Units):
 
 
 def write_layout(file, units):
-    """So many units side by side, each turned a little more about y."""
+    """Units side by side, each turned a little more about y."""
     text = 'name = "row"\n'
     for u in range(units):
         half = 0.1 * (u - (units - 1) / 2) / max(1, units - 1)
