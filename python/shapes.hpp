@@ -14,6 +14,7 @@
 #include "geometry/solid.hpp"
 #include "setup/options/options.hpp"
 #include "setup/sessions/frames.hpp"
+#include "touch/contacts/prepared_solids.hpp"
 
 namespace palpa::python {
 
@@ -31,6 +32,8 @@ struct SceneObject {
   std::optional<std::uint32_t> gltf_scene;  ///< how it was loaded, for those who load it again
   setup::SolidOptions options;
   std::vector<geometry::Solid> solids;
+  /// What is prepared of the solids, once for every touch.
+  std::shared_ptr<touch::KeptSolids> kept_solids = std::make_shared<touch::KeptSolids>();
   py::object given;  ///< what it was made of, for pickles
   py::dict keywords;
   std::string name() const { return source.empty() ? "the scene of arrays" : source; }

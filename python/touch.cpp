@@ -103,6 +103,7 @@ std::shared_ptr<TouchObject> touch_scene(const SceneObject& scene, const py::obj
   TouchArguments o = touch_options().read(rest);
   o.task.compute = o.common;
   o.task.own_method = own_method(own, scene.solids);
+  o.task.kept_solids = scene.kept_solids;
   const setup::Stopwatch begin;
   const setup::TouchInput input = skin_of(scene, skin, depth, camera, rig, penetration);
   check(o.task, !input.cameras.empty());

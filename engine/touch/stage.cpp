@@ -20,9 +20,11 @@ namespace {
 
 constexpr std::size_t most_times = 32;
 
-PreparedSolids checked(PreparedSolids solids, const FingerOptions& parameters) {
-  check_parameters(parameters, solids);
-  return solids;
+PreparedSolids prepared(const std::vector<geometry::Solid>& solids, const StageSetting& setting) {
+  PreparedSolids made = setting.kept_solids ? setting.kept_solids->prepare(solids, setting.parameters)
+                                            : prepare_solids(solids, setting.parameters);
+  check_parameters(setting.parameters, made);
+  return made;
 }
 
 std::unique_ptr<Points> make_points(Passes* passes, const sensing::RayTables& tables, const PreparedSolids& solids,
@@ -38,7 +40,7 @@ Stage::Stage(Passes* passes, const std::vector<geometry::Solid>& solids, std::sp
     : setting_(setting),
       cameras_(cameras.begin(), cameras.end()),
       tables_(sensing::make_rays(cameras)),
-      solids_(checked(prepare_solids(solids, setting.parameters), setting.parameters)),
+      solids_(prepared(solids, setting)),
       points_(make_points(passes, tables_, solids_, setting)),
       fingers_(setting, cameras, tables_, solids_) {
   crops_.reserve(cameras.size());

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 
 #include "base/math.hpp"
 #include "sensing/surroundings.hpp"
 #include "touch/types.hpp"
 
 namespace palpa::touch {
+
+class KeptSolids;  // contacts/prepared_solids.hpp
 
 /// Shorter than the time that FrameClock reports if a clock is set back.
 inline constexpr double longest_memory_s = 3600;
@@ -70,6 +73,9 @@ struct StageSetting {
     box.high += more_m;
     return box;
   }
+
+  /// Where the prepared solids are kept for other stages of the same solids. Null: nowhere.
+  std::shared_ptr<KeptSolids> kept_solids{};
 
   // On the device only: the maximum numbers of one frame. If a frame has more, finish() reports an error. 0: the stage
   // decides. With cameras, it has room for every pixel and for 262,144 contacts. For points from another source, there

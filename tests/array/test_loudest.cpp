@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "acoustics/field/pressure.hpp"
+#include "array/drive.hpp"
 #include "backends.hpp"
 #include "focus_sets.hpp"
 #include "loud_optima.hpp"

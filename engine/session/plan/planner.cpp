@@ -285,7 +285,8 @@ touch::StageSetting stage_setting(const SessionSetting& setting) {
                             .axes = setting.axes,
                             .smoothing = setting.smoothing,
                             .hysteresis = setting.hysteresis,
-                            .memory_s = setting.hold_s};
+                            .memory_s = setting.hold_s,
+                            .kept_solids = setting.kept_solids};
   if (!setting.cameras.empty()) stage.surroundings = surroundings_of(setting);
   if (setting.tracked) {
     stage.surroundings.room = setting.surroundings.room;

@@ -1,6 +1,7 @@
 // The values of a session; each is defined here once.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,10 @@
 #include "session/watch/events.hpp"
 #include "touch/types.hpp"
 
+namespace palpa::touch {
+class KeptSolids;  // touch/contacts/prepared_solids.hpp
+}  // namespace palpa::touch
+
 namespace palpa::session {
 
 /// The finger on which foci are computed (loop/live_fingers.hpp): tip at the origin, body along +y.
@@ -32,6 +37,8 @@ struct FollowedFinger {
 struct SessionSetting {
   std::string scene = "scene";  ///< source of the solids, for messages
   std::vector<geometry::Solid> solids;
+  /// Where the prepared solids are kept for other sessions with the same solids. Null: nowhere.
+  std::shared_ptr<touch::KeptSolids> kept_solids{};
   std::vector<sensing::Camera> cameras;  ///< none: skin comes as points or from a tracker; otherwise as depth frames
   bool tracked = false;                  ///< without cameras: a tracker of hands gives capsules
   bool pushed = false;                   ///< without cameras: while it runs, another program pushes points

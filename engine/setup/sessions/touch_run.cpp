@@ -21,10 +21,12 @@ void check_points(const TouchInput& input) {
 
 OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    TouchArray array, StepTimes& times, session::OwnMethod own_method) {
+                    TouchArray array, StepTimes& times, session::OwnMethod own_method,
+                    std::shared_ptr<touch::KeptSolids> kept_solids) {
   Stopwatch watch;
   session::SessionSetting setting{.scene = scene,
                                   .solids = std::move(solids),
+                                  .kept_solids = std::move(kept_solids),
                                   .cameras = input.cameras,
                                   .layout = std::move(array.layout),
                                   .keep_boards = true,  // the array of a single touch need not stand in the images

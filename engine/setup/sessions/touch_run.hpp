@@ -33,11 +33,13 @@ struct TouchArray {
 };
 
 /// Contacts, fingers, foci and schedule of `input`'s skin on `solids`, whose file is `scene`, and the drives of
-/// `array`. `own_method`, if given, places the foci. Adds the steps' times to `times`. Throws bad_usage for more points
+/// `array`. `own_method`, if given, places the foci. `kept_solids`, if given, keeps what is prepared of the solids for
+/// the next touch of the same. Adds the steps' times to `times`. Throws bad_usage for more points
 /// than the backend can hold and for parameters that do not fit the scene, otherwise as Session does.
 OneTouch touch_once(const ComputeOptions& compute, const TouchOptions& touch, const FeltOptions& felt,
                     const std::string& scene, std::vector<geometry::Solid> solids, const TouchInput& input,
-                    TouchArray array, StepTimes& times, session::OwnMethod own_method = {});
+                    TouchArray array, StepTimes& times, session::OwnMethod own_method = {},
+                    std::shared_ptr<touch::KeptSolids> kept_solids = {});
 
 /// Milliseconds since its construction or the last lap.
 class Stopwatch {

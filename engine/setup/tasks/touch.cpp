@@ -122,7 +122,7 @@ TouchResult touch_scene(const TouchTask& asked, const std::string& scene, std::v
   TouchArray array = load_array(options, solids);
   times.emplace_back("load", since.lap_ms());
   TouchResult result{.one = touch_once(options.compute, options.touch, options.felt, scene, std::move(solids), skin,
-                                       std::move(array), times, options.own_method)};
+                                       std::move(array), times, options.own_method, options.kept_solids)};
   bool warned = false;
   warn_of_left_out_fingers(result.touch(), warned);
   const session::Session& session = result.session();

@@ -34,6 +34,8 @@ struct TouchTask {
   HeardOptions heard;
   ArrayOptions array;               ///< without a layout, nothing sounds
   session::OwnMethod own_method{};  ///< instead of the touch's method
+  /// Keeps what is prepared of the solids for the next touch of the same. Null: nothing is kept.
+  std::shared_ptr<touch::KeptSolids> kept_solids{};
 };
 /// Adds the options that it has.
 void add_task_options(CLI::App& app, TouchTask& options);

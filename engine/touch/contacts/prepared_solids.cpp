@@ -317,6 +317,25 @@ PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const 
   return table;
 }
 
+PreparedSolids KeptSolids::prepare(const std::vector<geometry::Solid>& solids, const FingerOptions& parameters) {
+  std::shared_ptr<const PreparedSolids> known;
+  {
+    const std::lock_guard lock(mutex_);
+    if (last_ && last_->made_for.delta_m == parameters.delta_m && last_->made_for.deep == parameters.wants_deep() &&
+        finger_gap_m_ == parameters.finger_gap_m)
+      known = last_;
+  }
+  if (!known) {
+    known = std::make_shared<const PreparedSolids>(prepare_solids(solids, parameters));
+    const std::lock_guard lock(mutex_);
+    last_ = known;
+    finger_gap_m_ = parameters.finger_gap_m;
+  }
+  PreparedSolids prepared = *known;
+  prepared.iterations = contact_iterations(prepared, parameters);
+  return prepared;
+}
+
 void set_pose(PreparedSolids& solids, std::uint32_t solid, const Transform& T_world_rest) {
   if (solid >= solids.records.size()) {
     throw bad_usage(fmt::format("pose of solid {}: the scene has {}", solid, counted(solids.records.size(), "solid")));

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -67,6 +69,18 @@ double least_finger_gap(const shader::SolidRecord& solid);
 /// gap. Throws bad_usage naming the solid if its planes or box are not finite, and bad_usage if all solids together
 /// have more triangles than shader::surface_most_triangles.
 PreparedSolids prepare_solids(const std::vector<geometry::Solid>& solids, const FingerOptions& parameters = {});
+
+/// The last result of prepare_solids, for those who prepare the same solids again and again. Any thread may use it.
+class KeptSolids {
+ public:
+  /// As prepare_solids. `solids` must be the same in every call.
+  PreparedSolids prepare(const std::vector<geometry::Solid>& solids, const FingerOptions& parameters);
+
+ private:
+  std::mutex mutex_;
+  std::shared_ptr<const PreparedSolids> last_;
+  double finger_gap_m_ = 0;  ///< with which it was checked
+};
 
 /// A solid whose centre is farther than this from the origin, along any axis, is out of reach: no camera sees skin
 /// there.

@@ -149,6 +149,17 @@ TEST(PreparedSolids, RefusesMoreThanADeviceThatCountsTurnsCanLookAt) {
   EXPECT_EQ(prepare_solids({filed}).file, "one.glb");
 }
 
+TEST(PreparedSolids, AreKeptForTheSameParameters) {
+  KeptSolids kept;
+  FingerOptions parameters;
+  const PreparedSolids own = prepare_solids({cube()}, parameters);
+  EXPECT_EQ(kept.prepare({cube()}, parameters).planes.size(), own.planes.size());
+  // Nothing is prepared again: even for no solids, it is what it was.
+  EXPECT_EQ(kept.prepare({}, parameters).records.size(), 1u);
+  parameters.delta_m *= 2;
+  EXPECT_EQ(kept.prepare({}, parameters).records.size(), 0u);
+}
+
 TEST(PreparedSolids, ListFewPlanesWhereTheShellIs) {
   for (const geometry::Solid& solid : {cube(), half_ball({0.3, -0.02, 0}, 0.02, 700), ball({0, 1, 0}, 0.4, 5000)}) {
     const PreparedSolids solids = prepare_solids({solid});
