@@ -127,7 +127,8 @@ void add_emulate(cli::Program& program) {
                                {"emulate", "a board made of software, as strict as the real one",
                                 "  palpa emulate openmpd --serial EMU1 --view\n"
                                 "  palpa emulate autd3 --layout paper",
-                                "",
+                                "--serial --port --protocol --processing --fault --tactile --layout --board-files "
+                                "--trace --view",
                                 "Leave it running, and start palpa run --link openmpd:EMU1 or --link "
                                 "autd3:127.0.0.1:8080 in another terminal, with the same --layout if you give one. "
                                 "Ctrl-C ends it.",

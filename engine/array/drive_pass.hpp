@@ -89,7 +89,7 @@ class DriveMemory {
   void clear();
   /// Adds the next slot, which may have no foci. Returns false and adds nothing if slots or foci would not fit. On a
   /// device that ends long loops, drives of more than most_pass_foci() foci are the host's. On every device, so are
-  /// those whose phases are sought (effort_for in gs_pat.hpp), and those with nulls.
+  /// those whose phases are sought (loud_effort in loud_phases.hpp), and those with nulls.
   [[nodiscard]] bool add_slot(std::span<const SlotFocus> foci);
   /// The same with the factors of the foci, as in drive_by_factors. All slots of a batch must be added with the same
   /// overload.

@@ -53,8 +53,7 @@ class SittingTest : public testing::Test {
   }
 };
 
-/// Of the steps of the first round of trials, the one that is broken off three times stays void; people break off as
-/// often as they like.
+/// A step that the machine breaks off three times stays void. People break off as often as they like.
 TEST_F(SittingTest, WhatAMachineBreaksOffIsRepeatedTwice) {
   const TouchLosses enough{.thinned_frames = 1, .skin_frames = 10}, lack{.left_out_frames = 11, .skin_frames = 100};
   Sitting one = sitting();

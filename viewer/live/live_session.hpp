@@ -86,8 +86,8 @@ class LiveSession final : session::RunObserver {
     session::OwnMethod method{};  ///< places the foci of every session, instead of --method
   };
 
-  /// Begins to load and then runs. Any thread may set `stop` to end the run. `wake` is called from other threads when
-  /// there is something new to see; it must not wait. `also` is told which frames have arrived and which are planned.
+  /// Begins to load and then runs. Any thread may set `stop` to end the run. Other threads call `wake` with
+  /// each new snapshot; it must not wait. `also` gets each frame that arrives and each plan.
   LiveSession(setup::LiveOptions options, Kinds kinds, std::atomic<bool>& stop, std::function<void()> wake,
               Patience patience = {}, session::RunObserver& also = session::no_observer);
   /// Calls all_off() and waits for the end, also that of loading.

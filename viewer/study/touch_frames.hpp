@@ -36,7 +36,7 @@ class TouchFrames final : public session::RunObserver {
   void begin(double hold_s);
   /// The touch is over, or it was broken off.
   void end();
-  /// Of the touch under way, or of the last one.
+  /// The counts of the touch under way, or of the last one.
   FrameCounts counts() const;
 
   /// A frame has come. Frames were left out if its number is further from the one before than any two of this source

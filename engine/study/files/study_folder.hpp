@@ -24,8 +24,9 @@ std::optional<std::uint32_t> participant_number(std::string_view name);
 std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder);
 
 /// Reads one or several folders as one study. Files and rows that cannot be used are left out, and Study::left_out has
-/// a line about each, and about each journal that has answers that are in no log, or that is not finished. Throws bad_input if a folder has no participants, two participants have the same number, nothing
-/// is left that can be analysed, and for more participants, methods or shapes than the limits in trial.hpp.
+/// a line about each, and about each journal that has answers that are in no log, or that is not finished. Throws
+/// bad_input if a folder has no participants, two participants have the same number, nothing is left that can be
+/// analysed, and for more participants, methods or shapes than the limits in trial.hpp.
 Study read_study(std::span<const std::string> folders);
 
 }  // namespace palpa::study

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "study/files/journal.hpp"
 #include "study/plan/order.hpp"
 #include "study/plan/plan.hpp"
-#include "study/files/journal.hpp"
 
 namespace palpa::study {
 

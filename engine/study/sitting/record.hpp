@@ -11,10 +11,10 @@
 
 #include "base/files/output_file.hpp"
 #include "base/files/outputs.hpp"
+#include "study/files/journal.hpp"
 #include "study/plan/order.hpp"
 #include "study/plan/plan.hpp"
 #include "study/sitting/agenda.hpp"
-#include "study/files/journal.hpp"
 #include "study/sitting/participant_folder.hpp"
 
 namespace palpa::study {
