@@ -237,7 +237,7 @@ def of_a_scattering(j, folder):
 
 
 def of_a_rehearsal(j, folder):
-    assert (j["participant"], j["starts"], j["void"]) == (1, 1, 0)
+    assert (j["participant"], j["starts"], j["void"], j["stay_void"]) == (1, 1, 0, 0)
     assert j["complete"] == len((folder / "study/sub-01/sub-01_order.csv").read_text().splitlines()) - 1
 
 
@@ -329,7 +329,7 @@ NUMBERS = {
                     "acoustics/test_audible.cpp": "audible_dba"},
     "study power": {of_power: "studies seed participants rows.power rows.found", "study/test_power.cpp": "accuracies spread correlation trials alpha power other_* rows.*"},
     "study compare": {of_compared_tables: " ".join(f"tables.{name}" for name in TABLES.split()), "study/test_tables.cpp": "tables.* pairs.*"},
-    "study rehearse": {of_a_rehearsal: "participant complete void starts"},
+    "study rehearse": {of_a_rehearsal: "participant complete void stay_void starts"},
     "study analyse": {of_a_study: " ".join(f"methods.{name}" for name in TABLES.split()) + " methods.participants methods.void methods.mean_accuracy pairs.differences",
                       "study/test_analysis.cpp": "seed resamples least_trials methods.* pairs.* participants.* felt_nothing.*"},
 }

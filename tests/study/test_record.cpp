@@ -210,7 +210,7 @@ TEST_F(RecordTest, SaysHowLoudATouchWasAndWhatItLost) {
       record.add({.kind = EntryKind::answer, .at_ns = 4, .step = 0, .text = "yes"});
     }
     const std::string table = read_text(log_);
-    EXPECT_TRUE(table.ends_with("\tn/a\t1\t2\t3\t4\n")) << table;
+    EXPECT_TRUE(table.ends_with("\tn/a\t1\t2\t3\t4\t0\t0\n")) << table;
     const std::string which = measured ? "Measured" : "Predicted";
     EXPECT_EQ(json::parse(read_text(file("beh/sub-01_task-shapes_run-01_events.json")))["SoundLevel"],
               json({{which + "PeakDb", 109.5},
