@@ -50,7 +50,7 @@ class TouchFramesTest : public testing::Test {
   void sees(bool over = true, bool deep = false) { frames_.seen(sequence_, over, deep); }
   /// All frames so far are judged.
   FrameCounts judged() {
-    clock_.forward(0.1);
+    clock_.forward(0.2);
     frames_.end();
     return frames_.counts();
   }
