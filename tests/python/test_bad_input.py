@@ -73,7 +73,7 @@ def test_rounding_leaves_a_full_drive_full(openmpd):
     """numpy's abs of a unit phasor is often 1.0000000000000002, and of complex64 1.0000001."""
     full = openmpd.field(np.ones(256, complex), [0, 0, 0.15], backend="cpu")
     for rounded in (1 + 1e-6, 1.0000000000000002, np.complex64(1.0000001)):
-        assert np.array_equal(openmpd.field(np.full(256, rounded), [0, 0, 0.15], backend="cpu").pressures, full.pressures)
+        assert np.array_equal(openmpd.field(np.full(256, rounded), [0, 0, 0.15], backend="cpu").pressure, full.pressure)
 
 
 def test_a_drive_of_single_precision(openmpd):
