@@ -14,12 +14,31 @@ install(TARGETS ${libraries} palpa_everything EXPORT palpaTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libpalpa-dev
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libpalpa-dev)
 
-# Libraries include each other as "touch/types.hpp", and the structs that they share with shaders as
-# "shaders/touch/contacts/contacts.h".
-install(DIRECTORY engine/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev
-        FILES_MATCHING PATTERN "*.hpp")
-install(DIRECTORY driver viewer shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpa COMPONENT libpalpa-dev
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")
+# The public headers, by what a program wants to do (docs/cpp-api.md). What they include is installed with them, and
+# nothing else: the other headers may change with any version.
+set(PALPA_PUBLIC_HEADERS
+  # scenes, bodies and skin
+  geometry/files/load_triangles.hpp geometry/files/ply.hpp geometry/gltf/gltf.hpp geometry/solid.hpp
+  # fingers and foci, without a session
+  touch/stage.hpp
+  # sessions: frame by frame, or by themselves
+  session/pushed_points.hpp session/session.hpp
+  # cameras, recordings and rigs
+  sensing/recording.hpp sensing/rig.hpp sensing/surroundings.hpp sensing/synthetic.hpp
+  # arrays and drives
+  array/drive.hpp array/layouts/board_play.hpp array/layouts/layout.hpp
+  # links of one's own, palpa's boards and cameras
+  driver/links.hpp driver/sources.hpp session/links/link.hpp session/links/safe_link.hpp session/links/sources.hpp
+  # the computation of commands
+  setup/sessions/load.hpp setup/tasks/calibrate.hpp setup/tasks/decompose.hpp setup/tasks/drive.hpp
+  setup/tasks/export.hpp setup/tasks/field.hpp setup/tasks/scatter.hpp setup/tasks/simulate.hpp setup/tasks/touch.hpp
+  # errors, log, devices
+  base/error.hpp base/log.hpp gpu/device.hpp)
+install(CODE "
+  set(SOURCES \"${PROJECT_SOURCE_DIR}\")
+  set(HEADERS \"${PALPA_PUBLIC_HEADERS}\")
+  set(INCLUDES \"${CMAKE_INSTALL_INCLUDEDIR}/palpa\")" COMPONENT libpalpa-dev)
+install(SCRIPT cmake/install_headers.cmake COMPONENT libpalpa-dev)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpa)
 install(EXPORT palpaTargets NAMESPACE palpa:: DESTINATION ${package_dir} COMPONENT libpalpa-dev)

@@ -25,6 +25,9 @@
 #include "setup/tasks/calibrate.hpp"
 #include "setup/tasks/decompose.hpp"
 #include "setup/tasks/drive.hpp"
+#include "setup/tasks/field.hpp"
+#include "setup/tasks/simulate_result.hpp"
+#include "setup/tasks/touch.hpp"
 #include "shapes.hpp"
 #include "tasks_doc.hpp"
 #include "values/arrays.hpp"
@@ -298,6 +301,9 @@ void add_tasks(py::module_& m) {
       [] {
         py::dict all;
         all["drive"] = setup::drive_rows().paths();
+        all["field"] = setup::field_rows().paths();
+        all["simulate"] = setup::simulate_rows().paths();
+        all["touch"] = setup::touch_rows().paths();
         return all;
       },
       "The paths of the values in the JSON of commands, for plans of sweeps: # is the index of an entry of a list.");

@@ -49,7 +49,4 @@ constexpr std::uint32_t any_size = std::numeric_limits<std::uint32_t>::max();
 /// which steps take the most, that of the last size the exponents.
 std::vector<GrowthCurve> measure_growth(const Context& context, std::uint32_t most_size, std::vector<Row>& rows);
 
-/// A picture as SVG: one panel per axis, both of its directions logarithmic.
-std::string growth_svg(std::span<const GrowthCurve> curves, const std::string& device);
-
 }  // namespace palpa::bench

@@ -25,7 +25,7 @@ struct BenchCommand {
   setup::CommonOptions common;
   Suite suite = Suite::all;
   std::uint32_t runs = 200;
-  std::string csv, svg, scene;
+  std::string csv, scene;
 };
 
 void add_options_of_bench(CLI::App& app, BenchCommand& o) {
@@ -46,7 +46,6 @@ void add_options_of_bench(CLI::App& app, BenchCommand& o) {
   add_allow_outside(group, o.common);
   group.integer("--runs", o.runs, 3, 100'000, "number of timed runs of each case, after a warm-up");
   group.text("--csv", o.csv, "FILE|-", "writes the table as CSV, with the names of its columns in the first line");
-  group.text("--svg", o.svg, "FILE|-", "with --suite growth: writes pictures of time against size");
 }
 
 std::string bench_csv(const std::vector<bench::Row>& rows, const gpu::DeviceDescription& device) {
@@ -96,8 +95,7 @@ void run_bench(const BenchCommand& o, const Extensions& extensions) {
     throw bad_usage("bench measures the GPU's passes, which --backend cpu does not have");
   if (!o.scene.empty() && o.suite != Suite::all && o.suite != Suite::surface)
     throw bad_usage("--scene goes with --suite surface or --suite all");
-  if (!o.svg.empty() && o.suite != Suite::growth) throw bad_usage("--svg goes with --suite growth");
-  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}, {"--svg", o.svg}});
+  const Outputs outputs({{"--json", o.common.json}, {"--csv", o.csv}});
   std::optional<bench::Model> model;
   if (!o.scene.empty()) {
     const setup::Preparing progress(o.common.quiet);
@@ -135,11 +133,7 @@ void run_bench(const BenchCommand& o, const Extensions& extensions) {
     for (const auto& measure : extensions.benches)
       measure(o.runs, rows);
   }
-  if (o.suite == Suite::growth) {
-    const auto curves = bench::measure_growth(context, bench::any_size, rows);
-    bar.reset();
-    if (!o.svg.empty()) write_file(o.svg, bench::growth_svg(curves, device.description().name));
-  }
+  if (o.suite == Suite::growth) bench::measure_growth(context, bench::any_size, rows);
   bar.reset();
 
   const std::uint64_t resident = bench::peak_resident_bytes();

@@ -84,43 +84,6 @@ def path_of(name, value):
     return text
 
 
-# The JSON of each command with all that a case may have: 0 is a single value, a list has one entry for all of them. The engine has
-# the paths of the others (_paths).
-NUMBERS, LISTS = [0], [[0]]
-SCHEDULE = {"order": [0, LISTS[0]], "dwell_s": 0}
-TUNE = {"perimeter_m": 0, "foci": 0, "stride": 0, "dwell_s": 0, "field": 0, "felt_share_before": 0, "felt_share": 0,
-        "flutter_share_before": 0, "flutter_share": 0}
-SPECTRUM_LINE = {"frequency_hz": 0, "amplitude": 0, "phase_rad": 0, "around": 0, "hold": 0, "felt": 0}
-SPECTRUM = {"perimeter_m": 0, "period_s": 0, "variance": 0, "field": 0, "felt_share": 0, "flutter_share": 0,
-            "skin_m": NUMBERS, "lines": [SPECTRUM_LINE]}
-FELT = {"solid": 0, "tune": TUNE, "spectrum": SPECTRUM}
-PRESSURE = {"peak_pa": 0, "peak_m": NUMBERS, "half_area_m2": 0, "half_radius_m": 0, "elongation": 0}
-PRESSURES = {"peak_pa": NUMBERS, "peak_m": LISTS, "half_area_m2": NUMBERS, "half_radius_m": NUMBERS,
-             "elongation": NUMBERS}
-SOLUTION = {"iterations": 0, "residual": 0}
-DRAWS = {"draws": 0, "seed": 0}
-DOCUMENTS = {
-    "touch": {
-        "points": 0, "audible_dba": NUMBERS,
-        "contacts": {"count": 0, "indices": NUMBERS, "depths_m": NUMBERS},
-        "schedule": SCHEDULE,
-        "fingers": [FELT | {
-            "schedule": SCHEDULE, "indices": NUMBERS, "centroid_m": NUMBERS, "axes": LISTS, "eigenvalues_m2": NUMBERS,
-            "foci_m": LISTS, "focus_points": NUMBERS, "gain": 0, "asked_pa": 0, "pressure_pa": 0,
-            "pressures_pa": NUMBERS}],
-    },
-    "field": {
-        "points": 0, "peak_pa": 0, "peak_m": NUMBERS, "sound_speed_m_s": 0, "density_kg_m3": 0,
-        "absorption_np_m": 0,
-        "spread": DRAWS | {"peak_pa": NUMBERS, "peak_m": LISTS},
-    },
-    "simulate": {
-        "solution": SOLUTION, "finger": {"faces": 0, "vertices": 0}, "method": 0, "penetration_m": 0, "foci_m": LISTS,
-        "aimed_m": LISTS, "force_N": NUMBERS, "force_far_N": NUMBERS, "torque_Nm": NUMBERS, "fingers": [FELT],
-        "langevin": PRESSURE, "squared": PRESSURE,
-        "spread": DRAWS | {"langevin": PRESSURES, "squared": PRESSURES, "force_N": LISTS, "torque_Nm": LISTS},
-    },
-}
 # The results of a plan that names none.
 USUAL = {
     "touch": [
@@ -148,18 +111,10 @@ def near(word, known):
     return f"; did you mean {found[0]}?" if found else f"; there are {', '.join(known)}"
 
 
-def paths(document, path=""):
-    """The paths of all single values of a document; # stands for the index of an entry of a list."""
-    if isinstance(document, dict):
-        return [found for name, value in document.items() for found in paths(value, f"{path}.{name}" if path else name)]
-    if isinstance(document, list):
-        return [found for value in document for found in paths(value, f"{path}.#")]
-    return [path]
-
-
 @functools.lru_cache
 def paths_of(command):
-    return _engine._paths().get(command) or paths(DOCUMENTS[command])
+    """The paths of all single values of the command's JSON; # stands for the index of an entry of a list."""
+    return _engine._paths()[command]
 
 
 def path_fault(command, path):

@@ -1,4 +1,4 @@
-// The inputs of the passes for drives, written from shaders/shared/drive.h's description alone.
+// The inputs of the passes for drives, written from shaders/array/drive/drive.h's description alone.
 #pragma once
 
 #include <algorithm>

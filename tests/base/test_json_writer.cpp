@@ -103,5 +103,25 @@ TEST(JsonRows, TheTextAndThePathsComeFromOneList) {
       "  \"best\": {\n    \"centre\": [0, 0, 1],\n    \"radius\": 2\n  }\n}\n");
 }
 
+TEST(JsonRows, MembersOfOtherRowsAndThoseThatAFunctionWritesStandWhereTheyWereAdded) {
+  struct Touch {
+    Ball ball;
+    std::vector<std::optional<glm::vec3>> foci;
+    double ms;
+  };
+  const auto ball = JsonRows<Ball>().value("radius", [](const Ball& b) { return b.radius; });
+  const auto rows = JsonRows<Touch>()
+                        .written({"order.#"},
+                                 [](JsonWriter& json, const Touch&) {
+                                   json.key("order").value(std::vector{2, 1});
+                                 })
+                        .members(ball, [](const Touch& t) { return &t.ball; })
+                        .value("foci_m", [](const Touch& t) { return &t.foci; })
+                        .written({}, [](JsonWriter& json, const Touch& t) { json.member("timing_ms", t.ms); });
+  EXPECT_EQ(rows.paths(), (std::vector<std::string>{"order.#", "radius", "foci_m.#.#"}));
+  EXPECT_EQ(rows.text({{{0, 0, 0}, 3}, {glm::vec3(1, 2, 3), std::nullopt}, 5}),
+            "{\n  \"order\": [2, 1],\n  \"radius\": 3,\n  \"foci_m\": [[1, 2, 3], null],\n  \"timing_ms\": 5\n}\n");
+}
+
 }  // namespace
 }  // namespace palpa

@@ -77,7 +77,7 @@ TEST(Bench, PreparingSolidsIsMeasuredWithAndWithoutACacheThatIsRemoved) {
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-TEST(Growth, EachAxisIsMeasuredOnHostAndDeviceAndDrawn) {
+TEST(Growth, EachAxisIsMeasuredOnHostAndDevice) {
   std::vector<bench::Row> rows;
   const bench::Context context{test::test_device(), 3, {}, [](const std::string&, std::uint64_t, std::uint64_t) {}};
   const auto curves = bench::measure_growth(context, 100, rows);
@@ -97,11 +97,6 @@ TEST(Growth, EachAxisIsMeasuredOnHostAndDeviceAndDrawn) {
   const auto last = std::ranges::find_if(rows, [](const bench::Row& row) { return row.value == 64; });
   ASSERT_NE(last, rows.end());
   EXPECT_NE(last->note.find("exponent"), std::string::npos) << last->note;
-  const std::string svg = bench::growth_svg(curves, "a device");
-  for (const bench::GrowthCurve& curve : curves)
-    EXPECT_NE(svg.find(">" + curve.name + "<"), std::string::npos);
-  EXPECT_NE(svg.find("64 fingers: "), std::string::npos);
-  EXPECT_NE(svg.find(">exponents<"), std::string::npos) << "in the fields that the five panels leave free";
 }
 
 }  // namespace

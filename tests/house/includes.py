@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """includes.py FILE...: each source includes, itself or through palpa's own headers, what the names it uses come from, other
-people's and palpa's own. The compiler misses nothing that the build parses once for all (cmake/Library.cmake) or that another source
+people's and palpa's own; and the headers that its comments name exist. The compiler misses nothing that the build parses once for all (cmake/Library.cmake) or that another source
 of a unit has included (cmake/Units.cmake).
 """
 import functools
+import itertools
 import pathlib
 import re
 import sys
@@ -165,10 +166,24 @@ def missing(path):
             yield f"{use[0]} comes from a header that is not included"
 
 
+@functools.cache
+def own_headers():
+    """The paths of palpa's own headers below ROOT, each with a slash in front."""
+    return [f"/{header.relative_to(ROOT)}" for folder in ("engine", "driver", "viewer", "assets", "python", "shaders", "tests")
+            for suffix in ("*.hpp", "*.h") for header in (ROOT / folder).rglob(suffix)]
+
+
+def named_but_gone(path):
+    for comment in re.findall(r"//(.*)", read(path)):
+        for name in re.findall(r"(?<![\w./-])(?:\w+/)*\w+\.hpp\b", comment):
+            if not any(header.endswith("/" + name) for header in own_headers()):
+                yield f"a comment names {name}, which does not exist"
+
+
 def main():
     found = 0
     for name in sys.argv[1:]:
-        for what in missing(ROOT / name):
+        for what in itertools.chain(missing(ROOT / name), named_but_gone(ROOT / name)):
             print(f"   {name}: {what}")
             found += 1
     return 1 if found else 0

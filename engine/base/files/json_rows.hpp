@@ -29,7 +29,8 @@ class JsonRows {
  public:
   using Style = JsonWriter::Style;
 
-  /// A number, a text or a place; a range of such; or a range of these ranges.
+  /// A number, a text or a place; a range of such, with null for each optional that is empty; or a range of these
+  /// ranges.
   template <typename Get>
   JsonRows& value(std::string_view name, Get get) {
     using Value = Got<Get>;
@@ -65,11 +66,31 @@ class JsonRows {
     return *this;
   }
 
+  /// The members of other rows, in this object.
+  template <typename U, typename Get>
+  JsonRows& members(const JsonRows<U>& rows, Get get) {
+    rows_.push_back({rows.paths(), [rows, get](JsonWriter& json, const T& from) {
+                       with(get(from), [&](const U& one) { rows.write_members(json, one); });
+                     }});
+    return *this;
+  }
+
+  /// Members that a function writes itself, with the paths of their values. Without paths, they say how the result came
+  /// about rather than what it is: times, and what computed.
+  JsonRows& written(std::vector<std::string> paths, std::function<void(JsonWriter&, const T&)> write) {
+    rows_.push_back({std::move(paths), std::move(write)});
+    return *this;
+  }
+
+  /// The members alone, into an object that has begun.
+  void write_members(JsonWriter& json, const T& from) const {
+    for (const Row& row : rows_)
+      row.write(json, from);
+  }
   /// The object.
   void write(JsonWriter& json, const T& from, Style style = Style::block) const {
     json.begin_object(style);
-    for (const Row& row : rows_)
-      row.write(json, from);
+    write_members(json, from);
     json.end_object();
   }
   std::string text(const T& from) const {
@@ -122,6 +143,8 @@ class JsonRows {
       return ".#";
     } else if constexpr (is_range<V>) {
       return ".#" + entries<std::remove_cvref_t<std::ranges::range_reference_t<V>>>();
+    } else if constexpr (may_be_empty<V>) {
+      return entries<std::remove_cvref_t<decltype(*std::declval<const V&>())>>();
     } else {
       return "";
     }

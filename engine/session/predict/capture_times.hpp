@@ -6,7 +6,7 @@
 namespace palpa::session {
 
 /// Only reports. What becomes of such frames is decided elsewhere: fingers are followed from the start again
-/// (touch/fingers/frame_clock.hpp), nothing is predicted (motion_filter.hpp), and the hold ends the sound.
+/// (touch/fingers/follow.hpp), nothing is predicted (motion_filter.hpp), and the hold ends the sound.
 class CaptureTimes {
  public:
   /// The next frame: captured at `time_s` on the source's clock, arrived at `arrived_s` on another clock, with an age

@@ -155,21 +155,6 @@ Draws draws_of(const SpreadOptions& options, std::uint64_t seed) {
   return {.count = options.draws.value_or(default_draws), .seed = seed};
 }
 
-void begin_spread(JsonWriter& json, const Draws& draws) {
-  json.key("spread").begin_object().member("draws", draws.count).member("seed", draws.seed);
-}
-
-void add(JsonWriter& json, const Percentiles& range) {
-  json.value(std::span<const double>(numbers_of(range)));
-}
-
-void add(JsonWriter& json, const char* name, std::span<const Percentiles> ranges) {
-  json.key(name).begin_array();
-  for (const Percentiles& range : ranges)
-    add(json, range);
-  json.end_array();
-}
-
 MediumOptions warmer(MediumOptions medium, double temperature) {
   if (temperature == 0) return medium;
   medium.celsius = std::clamp(medium.celsius.value_or(20.0) + temperature, array::least_celsius, array::most_celsius);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,7 +13,7 @@
 
 #include "array/layouts/as_built.hpp"
 #include "array/medium.hpp"
-#include "base/files/json_writer.hpp"
+#include "base/files/json_rows.hpp"
 #include "setup/options/options.hpp"
 
 namespace CLI {
@@ -49,6 +50,10 @@ struct Percentiles {
 inline std::array<double, 3> numbers_of(const Percentiles& range) {
   return {range.p05, range.p50, range.p95};
 }
+/// The same of several: `ranges` must outlive the result.
+inline auto lists_of(std::span<const Percentiles> ranges) {
+  return std::views::transform(ranges, [](const Percentiles& range) { return numbers_of(range); });
+}
 /// `values` must not be empty. NaN must not occur.
 Percentiles percentiles(std::vector<double> values);
 
@@ -58,11 +63,13 @@ struct Draws {
   std::uint64_t seed = 0;
 };
 Draws draws_of(const SpreadOptions& options, std::uint64_t seed);
-/// Opens the object "spread" and writes "draws" and "seed"; the caller adds its percentiles and ends the object.
-void begin_spread(JsonWriter& json, const Draws& draws);
-/// [p05, p50, p95].
-void add(JsonWriter& json, const Percentiles& percentiles);
-void add(JsonWriter& json, const char* name, std::span<const Percentiles> ranges);
+/// The first members of the object "spread" of a result that has `draws`; its percentiles follow.
+template <typename T>
+JsonRows<T> spread_rows() {
+  return JsonRows<T>()
+      .value("draws", [](const T& spread) { return spread.draws.count; })
+      .value("seed", [](const T& spread) { return spread.draws.seed; });
+}
 
 /// The air of a draw: the medium's options at `temperature` kelvin above theirs, within the accepted range.
 MediumOptions warmer(MediumOptions medium, double temperature);

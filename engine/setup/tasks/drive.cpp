@@ -237,13 +237,11 @@ const JsonRows<DriveResult>& drive_rows() {
                                 .value("loudest_pa", [](const SilentPlace& p) { return p.loudest_pa; })
                                 .value("depth_db", [](const SilentPlace& p) { return p.depth_db; });
   static const auto spread =
-      JsonRows<DriveSpread>()
-          .value("draws", [](const DriveSpread& s) { return s.draws.count; })
-          .value("seed", [](const DriveSpread& s) { return s.draws.seed; })
-          .value("pressures_pa", [](const DriveSpread& s) { return std::views::transform(s.pressures_pa, numbers_of); })
+      spread_rows<DriveSpread>()
+          .value("pressures_pa", [](const DriveSpread& s) { return lists_of(s.pressures_pa); })
           .value("weakest_to_strongest", [](const DriveSpread& s) { return numbers_of(s.evenness); })
           .value("nulls_pa", [](const DriveSpread& s) {
-            return s.nulls_pa.empty() ? std::nullopt : std::optional(std::views::transform(s.nulls_pa, numbers_of));
+            return s.nulls_pa.empty() ? std::nullopt : std::optional(lists_of(s.nulls_pa));
           });
   static const auto rows =
       JsonRows<Result>()

@@ -9,34 +9,55 @@
 namespace palpa::setup {
 namespace {
 
-void add_spectrum(JsonWriter& json, double perimeter_m, const acoustics::Spectrum& spectrum) {
-  json.key("spectrum").begin_object().member("perimeter_m", perimeter_m).member("skin_m", glm::vec3(spectrum.skin));
-  json.member("period_s", spectrum.period_s).member("variance", spectrum.variance);
-  const acoustics::Felt all = acoustics::felt(spectrum);
-  json.member("field", word_of(acoustics::focus_kind_words, spectrum.field));
-  json.member("felt_share", all.vibration).member("flutter_share", all.flutter);
-  json.key("lines").begin_array(JsonWriter::Style::rows);
-  for (const acoustics::Line& line : spectrum.lines) {
-    json.begin_object().member("frequency_hz", line.frequency_hz).member("amplitude", line.amplitude);
-    json.member("phase_rad", line.phase_rad).member("around", line.around).member("hold", line.hold);
-    json.member("felt", acoustics::felt_as_vibration(line)).end_object();
-  }
-  json.end_array().end_object();
+JsonRows<acoustics::Line> line_rows() {
+  using Line = acoustics::Line;
+  return JsonRows<Line>()
+      .value("frequency_hz", [](const Line& l) { return l.frequency_hz; })
+      .value("amplitude", [](const Line& l) { return l.amplitude; })
+      .value("phase_rad", [](const Line& l) { return l.phase_rad; })
+      .value("around", [](const Line& l) { return l.around; })
+      .value("hold", [](const Line& l) { return l.hold; })
+      .value("felt", [](const Line& l) { return acoustics::felt_as_vibration(l); });
 }
 
-void add_tune(JsonWriter& json, const acoustics::Tuned& tuned) {
-  json.key("tune").begin_object().member("perimeter_m", tuned.ring.perimeter_m).member("foci", tuned.ring.foci);
-  json.member("stride", tuned.ring.stride).member("dwell_s", tuned.ring.dwell_s);
-  json.member("field", word_of(acoustics::focus_kind_words, tuned.field));
-  json.member("felt_share_before", tuned.before.vibration).member("felt_share", tuned.after.vibration);
-  json.member("flutter_share_before", tuned.before.flutter).member("flutter_share", tuned.after.flutter).end_object();
+JsonRows<FeltFinger> spectrum_rows() {
+  using Finger = FeltFinger;
+  return JsonRows<Finger>()
+      .value("perimeter_m", [](const Finger& f) { return f.scheduled.perimeter_m; })
+      .value("skin_m", [](const Finger& f) { return glm::vec3(f.spectrum->skin); })
+      .value("period_s", [](const Finger& f) { return f.spectrum->period_s; })
+      .value("variance", [](const Finger& f) { return f.spectrum->variance; })
+      .value("field", [](const Finger& f) { return word_of(acoustics::focus_kind_words, f.spectrum->field); })
+      .value("felt_share", [](const Finger& f) { return acoustics::felt(*f.spectrum).vibration; })
+      .value("flutter_share", [](const Finger& f) { return acoustics::felt(*f.spectrum).flutter; })
+      .objects(
+          "lines", line_rows(), [](const Finger& f) { return &f.spectrum->lines; }, JsonWriter::Style::rows);
+}
+
+JsonRows<acoustics::Tuned> tune_rows() {
+  using Tuned = acoustics::Tuned;
+  return JsonRows<Tuned>()
+      .value("perimeter_m", [](const Tuned& t) { return t.ring.perimeter_m; })
+      .value("foci", [](const Tuned& t) { return t.ring.foci; })
+      .value("stride", [](const Tuned& t) { return t.ring.stride; })
+      .value("dwell_s", [](const Tuned& t) { return t.ring.dwell_s; })
+      .value("field", [](const Tuned& t) { return word_of(acoustics::focus_kind_words, t.field); })
+      .value("felt_share_before", [](const Tuned& t) { return t.before.vibration; })
+      .value("felt_share", [](const Tuned& t) { return t.after.vibration; })
+      .value("flutter_share_before", [](const Tuned& t) { return t.before.flutter; })
+      .value("flutter_share", [](const Tuned& t) { return t.after.flutter; });
 }
 
 }  // namespace
 
-void add_felt(JsonWriter& json, const session::ScheduledFinger& finger, const acoustics::Spectrum* spectrum) {
-  if (finger.tuned) add_tune(json, *finger.tuned);
-  if (spectrum) add_spectrum(json, finger.perimeter_m, *spectrum);
+const JsonRows<FeltFinger>& felt_rows() {
+  using Finger = FeltFinger;
+  static const auto rows =
+      JsonRows<Finger>()
+          .object("tune", tune_rows(),
+                  [](const Finger& f) { return f.scheduled.tuned ? &*f.scheduled.tuned : nullptr; })
+          .object("spectrum", spectrum_rows(), [](const Finger& f) { return f.spectrum ? &f : nullptr; });
+  return rows;
 }
 
 }  // namespace palpa::setup

@@ -2,13 +2,17 @@
 #pragma once
 
 #include "acoustics/felt/spectrum.hpp"
-#include "base/files/json_writer.hpp"
+#include "base/files/json_rows.hpp"
 #include "session/plan/scheduler.hpp"
 
 namespace palpa::setup {
 
-/// Adds the members "tune" and "spectrum" to a finger's object, each only if it was requested; `spectrum` may be
-/// nullptr.
-void add_felt(JsonWriter& json, const session::ScheduledFinger& finger, const acoustics::Spectrum* spectrum);
+/// What is written of a finger that touches.
+struct FeltFinger {
+  const session::ScheduledFinger& scheduled;
+  const acoustics::Spectrum* spectrum = nullptr;  ///< null if it was not requested
+};
+/// The members "tune" and "spectrum" of a finger's object, each only if it was requested.
+const JsonRows<FeltFinger>& felt_rows();
 
 }  // namespace palpa::setup

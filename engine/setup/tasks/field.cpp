@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "array/schedule.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 #include "base/system/memory.hpp"
 #include "setup/files/drive_file.hpp"
@@ -80,25 +82,28 @@ bool FieldResult::beyond_linear() const {
   return peak_pa() > array::linear_pressure_pa;
 }
 
+const JsonRows<FieldResult>& field_rows() {
+  using Result = FieldResult;
+  static const auto spread = spread_rows<FieldSpread>()
+                                 .value("peak_pa", [](const FieldSpread& s) { return numbers_of(s.peak_pa); })
+                                 .value("peak_m", [](const FieldSpread& s) { return lists_of(s.peak_m); });
+  static const auto rows =
+      JsonRows<Result>()
+          .value("points", [](const Result& r) { return std::uint64_t{r.pressures.size()}; })
+          .value("peak_pa", [](const Result& r) { return r.peak_pa(); })
+          .value("peak_m", [](const Result& r) { return r.places.points[r.loudest]; })
+          .value("sound_speed_m_s", [](const Result& r) { return r.air.medium.sound_speed; })
+          .value("density_kg_m3", [](const Result& r) { return r.air.density_kg_m3; })
+          .value("absorption_np_m", [](const Result& r) { return r.air.absorption_np_m; })
+          .object("spread", spread, [](const Result& r) { return r.spread ? &*r.spread : nullptr; })
+          .written({}, [](JsonWriter& json, const Result& r) {
+            json.key("timing_ms").begin_object().member("field", r.sum_ms).member("total", r.total_ms).end_object();
+          });
+  return rows;
+}
+
 std::string to_json(const FieldResult& result) {
-  JsonWriter json;
-  json.begin_object()
-      .member("points", std::uint64_t{result.pressures.size()})
-      .member("peak_pa", result.peak_pa())
-      .member("peak_m", result.places.points[result.loudest])
-      .member("sound_speed_m_s", result.air.medium.sound_speed)
-      .member("density_kg_m3", result.air.density_kg_m3)
-      .member("absorption_np_m", result.air.absorption_np_m);
-  if (result.spread) {
-    begin_spread(json, result.spread->draws);
-    json.key("peak_pa");
-    add(json, result.spread->peak_pa);
-    add(json, "peak_m", result.spread->peak_m);
-    json.end_object();
-  }
-  json.key("timing_ms").begin_object().member("field", result.sum_ms).member("total", result.total_ms).end_object();
-  json.end_object();
-  return json.take();
+  return field_rows().text(result);
 }
 
 FieldResult sum_field(const array::Layout& layout, std::span<const array::TransducerDrive> drive, Places places,

@@ -17,6 +17,7 @@
 #include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/transducer_drive.hpp"
+#include "base/files/json_rows.hpp"
 #include "gpu/device.hpp"
 #include "setup/options/options.hpp"
 #include "setup/options/places.hpp"
@@ -61,6 +62,8 @@ struct FieldResult {
   /// Whether a point has more pressure than linear acoustics holds for (array::linear_pressure_pa).
   bool beyond_linear() const;
 };
+/// The members of that result's JSON, in their order. The result's own to_json writes them.
+const JsonRows<FieldResult>& field_rows();
 /// The output of `palpa field --json` (docs/acoustics.md).
 std::string to_json(const FieldResult& result);
 

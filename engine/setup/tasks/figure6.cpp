@@ -48,7 +48,7 @@ std::string to_json(std::span<const Figure6Touch> touches) {
   json.begin_array(JsonWriter::Style::block);
   for (const auto& [object, result] : touches) {
     json.begin_object().member("object", object);
-    add_members(json, result);
+    simulate_rows().write_members(json, result);
     json.end_object();
   }
   json.end_array();

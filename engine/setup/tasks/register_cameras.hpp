@@ -6,7 +6,7 @@
 //    (sensing/find_fingertip.hpp). The focus is at this end: the ball's centre is a radius farther away from the array,
 //    or higher. Where the array is, is known from the pose: the first time the rig's, then the one that was found,
 //    until it no longer changes.
-// 3. The pose is the rigid transform of the centres to these places (setup/rigid_fit.hpp), with less weight for touches
+// 3. The pose is the rigid transform of the centres to these places (rigid_fit.hpp), with less weight for touches
 //    that fit badly, and without one that stands out.
 #pragma once
 

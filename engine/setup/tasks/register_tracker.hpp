@@ -39,7 +39,7 @@ struct Registration {
 /// The way from a focus to the array, a unit vector; zero if the array is all around it.
 Vec3 towards_array(const array::Layout& layout, const Vec3& focus);
 
-/// The rigid transform with the least squares (setup/rigid_fit.hpp). The skin that touches a focus faces the array: the
+/// The rigid transform with the least squares (rigid_fit.hpp). The skin that touches a focus faces the array: the
 /// joint lies a radius farther away than the focus. For an array that is all around a focus, the joint is at the focus.
 /// Throws failure if the tips lie nearly on a line, or if they remain more than 10 mm off (rms).
 Registration register_tracker(std::span<const TouchedFocus> touches, const array::Layout& layout);

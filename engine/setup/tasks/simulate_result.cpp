@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <optional>
+#include <string_view>
 
 #include "array/schedule.hpp"
 #include "base/words.hpp"
@@ -20,74 +22,81 @@ bool SimulateResult::beyond_linear() const {
 
 namespace {
 
-void add_spot(JsonWriter& json, const char* name, const acoustics::Spot& spot) {
-  json.key(name)
-      .begin_object()
-      .member("peak_pa", spot.peak_pa)
-      .member("peak_m", spot.peak_at)
-      .member("half_area_m2", spot.half_area_m2)
-      .member("half_radius_m", spot.half_radius_m)
-      .member("elongation", spot.elongation)
-      .end_object();
+JsonRows<acoustics::Spot> spot_rows() {
+  using Spot = acoustics::Spot;
+  return JsonRows<Spot>()
+      .value("peak_pa", [](const Spot& s) { return s.peak_pa; })
+      .value("peak_m", [](const Spot& s) { return s.peak_at; })
+      .value("half_area_m2", [](const Spot& s) { return s.half_area_m2; })
+      .value("half_radius_m", [](const Spot& s) { return s.half_radius_m; })
+      .value("elongation", [](const Spot& s) { return s.elongation; });
 }
 
-/// Like the foci, with null for an empty sector.
-void add_aimed(JsonWriter& json, const SimulateResult& result) {
-  json.key("aimed_m").begin_array();
+/// Like the foci, empty for an empty sector. Nothing if the foci sound where they are.
+std::optional<std::vector<std::optional<Vec3>>> aimed_of(const SimulateResult& result) {
+  if (result.aimed.empty()) return std::nullopt;
+  std::vector<std::optional<Vec3>> aimed;
   std::size_t next = 0;
-  for (const std::optional<Vec3>& focus : result.foci) {
-    if (focus) {
-      json.value(result.aimed[next++]);
-    } else {
-      json.null();
-    }
-  }
-  json.end_array();
+  for (const std::optional<Vec3>& focus : result.foci)
+    aimed.push_back(focus ? std::optional(result.aimed[next++]) : std::nullopt);
+  return aimed;
 }
 
-/// As for a touch: one object for each finger.
-void add_in_time(JsonWriter& json, const SimulateResult& result) {
-  json.key("fingers").begin_array(JsonWriter::Style::block);
-  for (std::size_t f = 0; f < result.fingers.size(); ++f) {
-    json.begin_object().member("solid", result.touched[f]);
-    add_felt(json, result.fingers[f], result.spectra.empty() ? nullptr : &result.spectra[f]);
-    json.end_object();
-  }
-  json.end_array();
+/// A finger in time, as in the JSON of a touch.
+struct FingerInTime {
+  const std::string& solid;
+  FeltFinger felt;
+};
+
+std::optional<std::vector<FingerInTime>> fingers_in_time(const SimulateResult& result) {
+  if (result.fingers.empty()) return std::nullopt;
+  std::vector<FingerInTime> fingers;
+  for (std::size_t f = 0; f < result.fingers.size(); ++f)
+    fingers.push_back({result.touched[f], {result.fingers[f], result.spectra.empty() ? nullptr : &result.spectra[f]}});
+  return fingers;
 }
 
 }  // namespace
 
-void add_members(JsonWriter& json, const SimulateResult& result) {
-  json.key("finger")
-      .begin_object()
-      .member("faces", std::uint64_t{result.body.triangles.size()})
-      .member("vertices", std::uint64_t{result.body.positions.size()})
-      .end_object();
-  json.member("method", word_of(touch::method_words, result.method)).member("penetration_m", result.penetration_m);
-  json.member("foci_m", result.foci);
-  if (!result.aimed.empty()) add_aimed(json, result);
-  add_spot(json, "langevin", result.langevin);
-  add_spot(json, "squared", result.squared);
-  json.member("force_N", result.load.force);
-  json.member("force_far_N", result.far_force);
-  json.member("torque_Nm", result.load.torque);
-  if (!result.fingers.empty()) add_in_time(json, result);
-  add_solution(json, result.effort);
-  if (result.spread) add_spread(json, *result.spread);
-  json.key("timing_ms").begin_object();
-  for (const auto& [stage, ms] : result.times)
-    json.member(stage, ms);
-  json.end_object();
-  if (result.bare_elongation) json.member("bare_elongation", *result.bare_elongation);
+const JsonRows<SimulateResult>& simulate_rows() {
+  using Result = SimulateResult;
+  static const auto body =
+      JsonRows<Result>()
+          .value("faces", [](const Result& r) { return std::uint64_t{r.body.triangles.size()}; })
+          .value("vertices", [](const Result& r) { return std::uint64_t{r.body.positions.size()}; });
+  static const auto finger = JsonRows<FingerInTime>()
+                                 .value("solid", [](const FingerInTime& f) { return std::string_view(f.solid); })
+                                 .members(felt_rows(), [](const FingerInTime& f) { return f.felt; });
+  static const auto rows =
+      JsonRows<Result>()
+          .object("finger", body, [](const Result& r) { return &r; })
+          .value("method", [](const Result& r) { return word_of(touch::method_words, r.method); })
+          .value("penetration_m", [](const Result& r) { return r.penetration_m; })
+          .value("foci_m", [](const Result& r) { return &r.foci; })
+          .value("aimed_m", aimed_of)
+          .object("langevin", spot_rows(), [](const Result& r) { return &r.langevin; })
+          .object("squared", spot_rows(), [](const Result& r) { return &r.squared; })
+          .value("force_N", [](const Result& r) { return r.load.force; })
+          .written({"force_far_N.#"},
+                   [](JsonWriter& json, const Result& r) { json.member("force_far_N", r.far_force); })
+          .value("torque_Nm", [](const Result& r) { return r.load.torque; })
+          .objects("fingers", finger, fingers_in_time, JsonWriter::Style::block)
+          .object(
+              "solution", solution_rows(), [](const Result& r) { return r.effort.iterates ? &r.effort : nullptr; },
+              JsonWriter::Style::line)
+          .object("spread", simulate_spread_rows(), [](const Result& r) { return r.spread ? &*r.spread : nullptr; })
+          .written({}, [](JsonWriter& json, const Result& r) {
+            json.key("timing_ms").begin_object();
+            for (const auto& [stage, ms] : r.times)
+              json.member(stage, ms);
+            json.end_object();
+            if (r.bare_elongation) json.member("bare_elongation", *r.bare_elongation);
+          });
+  return rows;
 }
 
 std::string to_json(const SimulateResult& result) {
-  JsonWriter json;
-  json.begin_object();
-  add_members(json, result);
-  json.end_object();
-  return json.take();
+  return simulate_rows().text(result);
 }
 
 std::string to_csv(const SimulateResult& result) {

@@ -8,7 +8,7 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/felt/spectrum.hpp"
-#include "base/files/json_writer.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
 #include "session/plan/scheduler.hpp"
@@ -46,10 +46,10 @@ struct SimulateResult {
   bool beyond_linear() const;
 };
 
+/// The members of that result's JSON, in their order.
+const JsonRows<SimulateResult>& simulate_rows();
 /// The output of `palpa simulate --json` (docs/acoustics.md). Only `timing_ms` differs between runs.
 std::string to_json(const SimulateResult& result);
-/// Adds only the members of that object.
-void add_members(JsonWriter& json, const SimulateResult& result);
 /// face,x,y,z,area,langevin,squared for every face of the body: its index, centroid in m, area in m2, pressures in Pa.
 std::string to_csv(const SimulateResult& result);
 /// The body and both pressures for ParaView. Throws failure() naming the file.

@@ -91,28 +91,25 @@ class WarmBodies {
   std::vector<session::WarmBody> bodies_;
 };
 
-void add_spot(JsonWriter& json, const char* name, const SpotSpread& spot) {
-  json.key(name).begin_object().key("peak_pa");
-  add(json, spot.peak_pa);
-  add(json, "peak_m", spot.peak_m);
-  json.key("half_area_m2");
-  add(json, spot.half_area_m2);
-  json.key("half_radius_m");
-  add(json, spot.half_radius_m);
-  json.key("elongation");
-  add(json, spot.elongation);
-  json.end_object();
+JsonRows<SpotSpread> spot_rows() {
+  return JsonRows<SpotSpread>()
+      .value("peak_pa", [](const SpotSpread& s) { return numbers_of(s.peak_pa); })
+      .value("peak_m", [](const SpotSpread& s) { return lists_of(s.peak_m); })
+      .value("half_area_m2", [](const SpotSpread& s) { return numbers_of(s.half_area_m2); })
+      .value("half_radius_m", [](const SpotSpread& s) { return numbers_of(s.half_radius_m); })
+      .value("elongation", [](const SpotSpread& s) { return numbers_of(s.elongation); });
 }
 
 }  // namespace
 
-void add_spread(JsonWriter& json, const SimulateSpread& spread) {
-  begin_spread(json, spread.draws);
-  add_spot(json, "langevin", spread.langevin);
-  add_spot(json, "squared", spread.squared);
-  add(json, "force_N", spread.force);
-  add(json, "torque_Nm", spread.torque);
-  json.end_object();
+const JsonRows<SimulateSpread>& simulate_spread_rows() {
+  using Result = SimulateSpread;
+  static const auto rows = spread_rows<Result>()
+                               .object("langevin", spot_rows(), [](const Result& s) { return &s.langevin; })
+                               .object("squared", spot_rows(), [](const Result& s) { return &s.squared; })
+                               .value("force_N", [](const Result& s) { return lists_of(s.force); })
+                               .value("torque_Nm", [](const Result& s) { return lists_of(s.torque); });
+  return rows;
 }
 
 SimulateSpread spread_of_pressure(const DesignedTouch& touch, const array::Spread& spread, const Draws& draws) {

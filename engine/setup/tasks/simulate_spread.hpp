@@ -8,7 +8,7 @@
 #include "acoustics/bodies/rigid_body.hpp"
 #include "array/field/directivity.hpp"
 #include "array/layouts/layout.hpp"
-#include "base/files/json_writer.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/math.hpp"
 #include "session/previews/skin_pressure.hpp"
 #include "setup/options/options.hpp"
@@ -29,8 +29,8 @@ struct SimulateSpread {
   SpotSpread langevin, squared;
   std::array<Percentiles, 3> force, torque;  ///< x, y, z
 };
-/// Adds the object "spread".
-void add_spread(JsonWriter& json, const SimulateSpread& spread);
+/// The members of the object "spread".
+const JsonRows<SimulateSpread>& simulate_spread_rows();
 
 /// The sound of a touch as designed.
 struct DesignedTouch {

@@ -4,13 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <glm/vec3.hpp>
 #include <iterator>
+#include <optional>
+#include <ranges>
 #include <span>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "array/layouts/changes.hpp"
 #include "array/schedule.hpp"
 #include "base/error.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -144,10 +151,13 @@ TouchResult touch_scene(const TouchTask& asked, const std::string& scene, std::v
 
 namespace {
 
-void add_schedule(JsonWriter& json, const array::Voice& voice) {
-  json.key("schedule").begin_object().key("order");
-  session::write_order(voice, json);
-  json.member("dwell_s", voice.dwell_s).end_object();
+const JsonRows<array::Voice>& schedule_rows() {
+  static const auto rows =
+      JsonRows<array::Voice>()
+          .written({"order.#", "order.#.#"},
+                   [](JsonWriter& json, const array::Voice& voice) { session::write_order(voice, json.key("order")); })
+          .value("dwell_s", [](const array::Voice& voice) { return voice.dwell_s; });
+  return rows;
 }
 
 /// The voice of a finger with its order counted in sectors. The foci that sound together are those of the filled
@@ -163,59 +173,70 @@ array::Voice by_sector(array::Voice voice, const touch::Placement& placement) {
   return voice;
 }
 
-/// The pressures at the foci of a finger; null for a sector without its own focus.
-void add_pressures(JsonWriter& json, const std::vector<double>& pressures, const touch::Placement& placement) {
-  json.member("pressure_pa", *std::ranges::min_element(pressures));
-  json.key("pressures_pa").begin_array();
+/// A finger of a touch.
+struct TouchedFinger {
+  const TouchValues& values;
+  std::uint32_t index;
+
+  const touch::Finger& finger() const { return values.touch.fingers[index]; }
+  const touch::CrossSection& section() const { return finger().section; }
+  const session::ScheduledFinger& scheduled() const { return values.fingers[index]; }
+  const touch::Placement& placement() const { return scheduled().placement; }
+  const array::Voice& voice() const { return values.schedule.voices[index]; }
+  /// The pressures at the foci of its voice. Null: they were not computed.
+  const std::vector<double>* pressures() const { return values.pressures.empty() ? nullptr : &values.pressures[index]; }
+};
+
+/// One entry per sector, empty for one without a focus of its own.
+std::vector<std::optional<glm::vec3>> foci_of(const TouchedFinger& f) {
+  std::vector<std::optional<glm::vec3>> foci;
+  for (std::uint32_t i = 0; i < f.placement().foci.size(); ++i)
+    foci.push_back(f.placement().has(i) ? std::optional(f.placement().foci[i].position) : std::nullopt);
+  return foci;
+}
+std::optional<std::vector<std::optional<double>>> pressures_of(const TouchedFinger& f) {
+  if (!f.pressures()) return std::nullopt;
+  std::vector<std::optional<double>> pressures;
   std::size_t filled = 0;  // foci that sound together are those of filled sectors
-  for (std::uint32_t i = 0; i < placement.foci.size(); ++i) {
-    if (placement.has(i)) {
-      json.value(pressures[placement.together ? filled++ : i]);
-    } else {
-      json.null();
-    }
+  for (std::uint32_t i = 0; i < f.placement().foci.size(); ++i) {
+    const bool has = f.placement().has(i);
+    pressures.push_back(has ? std::optional((*f.pressures())[f.placement().together ? filled++ : i]) : std::nullopt);
   }
-  json.end_array();
+  return pressures;
 }
 
-void add_finger(JsonWriter& json, const TouchValues& values, std::uint32_t index) {
-  const touch::Finger& finger = values.touch.fingers[index];
-  const session::ScheduledFinger& scheduled = values.fingers[index];
-  const touch::Placement& placement = scheduled.placement;
-  json.begin_object().member("solid", values.solids[finger.solid]);
-  json.key("indices").begin_array();
-  for (const std::uint32_t contact : finger.contacts)
-    json.value(values.touch.contacts[contact].point);
-  json.end_array();
-  json.member("centroid_m", finger.section.centroid);
-  json.key("axes").begin_array();
-  for (const glm::vec3& axis : finger.section.axes)
-    json.value(axis);
-  json.end_array();
-  json.key("eigenvalues_m2").begin_array();
-  for (const float eigenvalue : finger.section.eigenvalues)
-    json.value(eigenvalue);
-  json.end_array();
-  json.key("foci_m").begin_array();
-  for (std::size_t i = 0; i < placement.foci.size(); ++i) {
-    if (placement.has(i)) {
-      json.value(placement.foci[i].position);
-    } else {
-      json.null();
-    }
-  }
-  json.end_array();
-  json.key("focus_points").begin_array();
-  for (const touch::Focus& focus : placement.foci)
-    json.value(focus.points);
-  json.end_array();
-  const array::Voice& voice = values.schedule.voices[index];
-  if (voice.gain != 1) json.member("gain", voice.gain);
-  if (const double asked = voice.asked_pa(); asked > 0) json.member("asked_pa", asked);
-  if (!values.pressures.empty()) add_pressures(json, values.pressures[index], placement);
-  if (values.own_schedule[index]) add_schedule(json, by_sector(voice, placement));
-  add_felt(json, scheduled, values.spectra.empty() ? nullptr : &values.spectra[index]);
-  json.end_object();
+JsonRows<TouchedFinger> finger_rows() {
+  using Finger = TouchedFinger;
+  return JsonRows<Finger>()
+      .value("solid", [](const Finger& f) { return std::string_view(f.values.solids[f.finger().solid]); })
+      .value("indices",
+             [](const Finger& f) {
+               return std::views::transform(f.finger().contacts, [&contacts = f.values.touch.contacts](
+                                                                     std::uint32_t at) { return contacts[at].point; });
+             })
+      .value("centroid_m", [](const Finger& f) { return f.section().centroid; })
+      .value("axes", [](const Finger& f) { return &f.section().axes; })
+      .value("eigenvalues_m2", [](const Finger& f) { return &f.section().eigenvalues; })
+      .value("foci_m", foci_of)
+      .value("focus_points",
+             [](const Finger& f) { return std::views::transform(f.placement().foci, &touch::Focus::points); })
+      .value("gain", [](const Finger& f) { return f.voice().gain != 1 ? std::optional(f.voice().gain) : std::nullopt; })
+      .value(
+          "asked_pa",
+          [](const Finger& f) { return f.voice().asked_pa() > 0 ? std::optional(f.voice().asked_pa()) : std::nullopt; })
+      .value("pressure_pa",
+             [](const Finger& f) {
+               return f.pressures() ? std::optional(*std::ranges::min_element(*f.pressures())) : std::nullopt;
+             })
+      .value("pressures_pa", pressures_of)
+      .object("schedule", schedule_rows(),
+              [](const Finger& f) {
+                return f.values.own_schedule[f.index] ? std::optional(by_sector(f.voice(), f.placement()))
+                                                      : std::nullopt;
+              })
+      .members(felt_rows(), [](const Finger& f) {
+        return FeltFinger{f.scheduled(), f.values.spectra.empty() ? nullptr : &f.values.spectra[f.index]};
+      });
 }
 
 }  // namespace
@@ -236,34 +257,48 @@ TouchValues values_of(const session::Session& session, const touch::Touch& touch
   return values;
 }
 
+const JsonRows<TouchValues>& touch_rows() {
+  using Values = TouchValues;
+  static const auto contacts =
+      JsonRows<Values>()
+          .value("count", [](const Values& v) { return std::uint64_t{v.touch.contacts.size()}; })
+          .value("indices",
+                 [](const Values& v) { return std::views::transform(v.touch.contacts, &touch::Contact::point); })
+          .value("depths_m",
+                 [](const Values& v) { return std::views::transform(v.touch.contacts, &touch::Contact::depth_m); });
+  static const auto rows =
+      JsonRows<Values>()
+          .value("points", [](const Values& v) { return v.points; })
+          .object("contacts", contacts, [](const Values& v) { return &v; })
+          .objects(
+              "fingers", finger_rows(),
+              [](const Values& v) {
+                return std::views::transform(std::views::iota(std::uint32_t{0}, v.touch.finger_count),
+                                             [&v](std::uint32_t index) {
+                                               return TouchedFinger{v, index};
+                                             });
+              },
+              JsonWriter::Style::block)
+          .object("schedule", schedule_rows(), [](const Values& v) { return &v.common; })
+          .written({"audible_dba.#"},
+                   [](JsonWriter& json, const Values& v) {
+                     if (v.ear) acoustics::write_level(*v.ear, json);
+                   })
+          .written({}, [](JsonWriter& json, const Values& v) {
+            if (v.computed) {
+              json.member("backend", word_of(backend_words, v.computed->backend));
+              json.member("backend_why", v.computed->why);
+            }
+            json.key("timing_ms").begin_object().member("total", v.total_ms);
+            for (const auto& [stage, ms] : v.times)
+              json.member(stage, ms);
+            json.end_object();
+          });
+  return rows;
+}
+
 std::string to_json(const TouchValues& values) {
-  const touch::Touch& touch = values.touch;
-  JsonWriter json;
-  json.begin_object().member("points", values.points);
-  json.key("contacts").begin_object().member("count", std::uint64_t{touch.contacts.size()});
-  json.key("indices").begin_array();
-  for (const touch::Contact& contact : touch.contacts)
-    json.value(contact.point);
-  json.end_array();
-  json.key("depths_m").begin_array();
-  for (const touch::Contact& contact : touch.contacts)
-    json.value(contact.depth_m);
-  json.end_array().end_object();
-  json.key("fingers").begin_array(JsonWriter::Style::block);
-  for (std::uint32_t f = 0; f < touch.finger_count; ++f)
-    add_finger(json, values, f);
-  json.end_array();
-  add_schedule(json, values.common);
-  if (values.ear) acoustics::write_level(*values.ear, json);
-  if (values.computed) {
-    json.member("backend", word_of(backend_words, values.computed->backend));
-    json.member("backend_why", values.computed->why);
-  }
-  json.key("timing_ms").begin_object().member("total", values.total_ms);
-  for (const auto& [stage, ms] : values.times)
-    json.member(stage, ms);
-  json.end_object().end_object();
-  return json.take();
+  return touch_rows().text(values);
 }
 
 std::string to_csv(const TouchValues& values) {

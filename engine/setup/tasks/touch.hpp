@@ -16,6 +16,7 @@
 #include "acoustics/audible.hpp"
 #include "acoustics/felt/spectrum.hpp"
 #include "array/schedule.hpp"
+#include "base/files/json_rows.hpp"
 #include "geometry/solid.hpp"
 #include "session/plan/scheduler.hpp"
 #include "session/session.hpp"
@@ -90,6 +91,8 @@ TouchResult touch_scene(const TouchTask& options, const std::string& scene, std:
 /// times.
 TouchValues values_of(const session::Session& session, const touch::Touch& touch);
 
+/// The members of that JSON, in their order.
+const JsonRows<TouchValues>& touch_rows();
 /// The output of `palpa touch --json` (docs/touch.md). Only `timing_ms` differs between runs.
 std::string to_json(const TouchValues& values);
 /// The contacts, a line each: index,x,y,z,depth,finger,solid; finger is -1 if the cluster was too small.

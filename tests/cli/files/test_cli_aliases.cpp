@@ -188,7 +188,6 @@ const std::vector<Line> lines{
     {"afferents --scene IN/scene.gltf --finger IN/finger.ply --layout IN/layout.toml", gltf + " layout.toml finger.ply",
      "--json --csv --png --times"},
     {"bench --scene IN/scene.gltf", gltf, "--json --csv"},
-    {"bench --suite growth", "", "--json --csv --svg"},
     {"emulate openmpd --view --layout IN/layout.toml", "layout.toml", "--json --trace"},
     {"emulate openmpd --view --board-files IN/boards", "boards/board_A.pat", "--trace"},
     {"emulate autd3 --layout IN/layout.toml", "layout.toml", "--json --trace"},

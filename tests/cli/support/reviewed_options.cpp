@@ -414,7 +414,6 @@ std::vector<ReviewedLine> reviewed_lines(const std::string& scratch) {
          .untried = "--scene --gltf-scene --out --parts --resolution --error"},
         {.line = "bench --suite array",
          .idle = {{"--scene goes with --suite surface", {"--scene ROOT/assets/cube.glb"}},
-                  {"--svg goes with --suite growth", {"--svg none/x.svg"}},
                   {"bench measures the GPU", {"--backend cpu"}}},
          .untried = "--suite --runs --csv --gpu --validation"}},
        of_studies(),
