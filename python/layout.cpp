@@ -156,7 +156,7 @@ std::shared_ptr<DriveObject> solve_by(const LayoutPtr& self, std::span<const set
                                       const SolveArguments& o) {
   if (asked.empty()) throw bad_usage("no focus is given");
   if (!o.drive.nulls.empty()) throw bad_usage("nulls go with solver=\"gs-pat\": a function makes its own drive");
-  const array::DriveOptions options = setup::drive_options(o.drive);
+  const array::DriveOptions options = setup::drive_options(o.drive, self->layout, setup::Solving::once);
   array::Schedule schedule = setup::schedule_of(asked, self->layout);
   auto made = std::make_shared<DriveObject>();
   made->layout = self;
@@ -168,6 +168,7 @@ std::shared_ptr<DriveObject> solve_by(const LayoutPtr& self, std::span<const set
   result.pressure =
       acoustics::pressure_at_foci(self->layout, result.drive, result.foci, options.medium, options.directivity);
   result.unresolved = array::unresolved_pairs(self->layout, result.foci, options);
+  result.by = {.weighting = options.weighting};
   return made;
 }
 
@@ -236,6 +237,7 @@ std::shared_ptr<FieldObject> field(const LayoutPtr& self, const py::object& driv
   return on_device(o.common, [&](const gpu::Device* device) {
     auto made = owned(FieldObject{
         setup::sum_field(self->layout, driven, std::move(places.places), air, o.task.drive.directivity, device)});
+    if (py::isinstance<DriveObject>(drive)) made->result.by = drive.cast<const DriveObject&>().result.by;
     if (!o.task.spread.text.empty()) {
       made->result.spread = setup::spread_of_field(o.task, self->layout, driven, made->result.places.points,
                                                    setup::draws_of(o.task.spread, o.common.seed), device);

@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "array/field/constraint.hpp"
 #include "array/layouts/builtin_layouts.hpp"
 #include "base/error.hpp"
 #include "base/files/output_file.hpp"
 #include "base/text.hpp"
+#include "base/words.hpp"
 #include "layout.hpp"
 #include "layout_doc.hpp"
 #include "module.hpp"
@@ -67,11 +69,14 @@ py::list boards_of(const LayoutPtr& o) {
 }
 
 LayoutObject make_layout(const py::object& source, const py::object& name, const py::object& source_level,
-                         const py::object& frequency, const py::object& radius, const py::object& pose) {
+                         const py::object& frequency, const py::object& radius, const py::object& law,
+                         const py::object& pose) {
   if (!py::isinstance<py::tuple>(source) || py::len(source) != 2) {
-    for (const py::object& given : {name, source_level, frequency, radius, pose}) {
+    for (const py::object& given : {name, source_level, frequency, radius, law, pose}) {
       if (!given.is_none())
-        throw bad_usage("name, source_level, frequency, transducer_radius and pose go with arrays (positions, axes)");
+        throw bad_usage(
+            "name, source_level, frequency, transducer_radius, amplitude_law and pose go with arrays (positions, "
+            "axes)");
     }
     return LayoutObject(*layout_of("Layout", source));
   }
@@ -92,6 +97,12 @@ LayoutObject make_layout(const py::object& source, const py::object& name, const
   read("source_level", source_level, made.source_level_pa_m);
   read("frequency", frequency, made.frequency_hz);
   read("transducer_radius", radius, made.transducer_radius_m);
+  if (!law.is_none()) {
+    const std::string word = bytes_of("amplitude_law", law);
+    const std::optional<array::Weighting> known = value_of(array::weighting_words, word);
+    if (!known) throw bad_usage(fmt::format("amplitude_law: give {}", one_of(array::weighting_words)));
+    made.amplitude_law = *known;
+  }
   for (std::size_t i = 0; i < positions.size(); ++i)
     made.transducers.push_back({positions[i], axes[i]});
   return {array::checked(std::move(made)), ""};
@@ -126,6 +137,8 @@ frequency : float, optional
     Hertz, for which the transducers are made. The default is 40 kHz.
 transducer_radius : float, optional
     Metres, of the sounding part. The default is 4.5 mm.
+amplitude_law : {'distance', 'uniform'}, optional
+    The amplitudes of a focus that sounds alone: proportional to distance, as in the paper, or all 1, the default.
 pose : array_like, shape (4, 4), optional
     From its own frame to the world, if no rig says otherwise. The default is 150 mm below the origin, facing up.
 
@@ -137,7 +150,8 @@ BadUsage
     The arrays have another shape, or a value is out of range.)")
       .def(py::init(&make_layout), py::arg("source"), py::kw_only(), py::arg("name") = py::none(),
            py::arg("source_level") = py::none(), py::arg("frequency") = py::none(),
-           py::arg("transducer_radius") = py::none(), py::arg("pose") = py::none())
+           py::arg("transducer_radius") = py::none(), py::arg("amplitude_law") = py::none(),
+           py::arg("pose") = py::none())
       .def_static("names", &array::layout_names, "The names of the built-in layouts.\n\nReturns\n-------\nlist of str")
       .def_property_readonly(
           "source", [](const LayoutObject& o) { return shown_text(o.source); },

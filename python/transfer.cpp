@@ -84,7 +84,7 @@ constinit DeclaredOnce<setup::FocusingOptions> transfer_options("Layout.transfer
 py::array transfer(const std::shared_ptr<LayoutObject>& self, const py::object& points, const py::kwargs& kwargs) {
   refuse_fork();
   const setup::FocusingOptions o = transfer_options().read(kwargs);
-  const array::DriveOptions options = setup::drive_options(o);
+  const array::DriveOptions options = setup::drive_options(o, self->layout, setup::Solving::once);
   refuse_other_frame("points", points, *self);
   const std::vector<Vec3> places = points_of("points", points);
   return transfer_matrix("points", self->layout, places, options);

@@ -51,20 +51,27 @@ using Scratch = DriveScratch::Parts;
 using Complex = std::complex<double>;
 using Source = FocusSource;
 
-/// The drives of sums under a constraint. `largest`: of all sums, with their gains or without.
-void constrain(std::span<const Complex> sums, double largest, Constraint constraint, double gain,
+double largest_of(std::span<const Complex> sums) {
+  double largest = 0;
+  for (const Complex& sum : sums)
+    largest = std::max(largest, std::norm(sum));
+  return std::sqrt(largest);
+}
+
+/// The drives of sums under the options' constraint. `largest`: of all sums, with their gains or without.
+void constrain(std::span<const Complex> sums, double largest, const DriveOptions& options, double gain,
                std::span<TransducerDrive> out) {
-  drive_sums(sums, constraint == Constraint::normalise && largest > 0 ? largest : 1.0, gain, out);
-  if (constraint != Constraint::uniform) return;
+  if (options.constraint == Constraint::normalise && options.gains_stay) largest = largest_of(sums);
+  drive_sums(sums, options.constraint == Constraint::normalise && largest > 0 ? largest : 1.0, gain, out);
+  if (options.constraint != Constraint::uniform) return;
   for (TransducerDrive& transducer : out)
     transducer.amplitude = as_amplitude(gain);
 }
 
 void drive_one(const Layout& layout, const Source& source, const DriveOptions& options, std::span<TransducerDrive> out,
                Columns& columns) {
-  const Weighting weighting = options.constraint == Constraint::uniform ? Weighting::uniform : options.weighting;
-  if (!options.transfer) return drive_focus_in_free_field(layout, source, weighting, options.medium, out);
-  options.transfer->fill(std::span(&source, 1), weighting, columns);
+  if (!options.transfer) return drive_focus_in_free_field(layout, source, options.weighting, options.medium, out);
+  options.transfer->fill(std::span(&source, 1), options.weighting, columns);
   for (std::size_t t = 0; t < out.size(); ++t)
     out[t] = {as_amplitude(columns.asked[t] * source.gain), as_phase(-std::atan2(columns.sine[t], columns.cosine[t]))};
 }
@@ -132,10 +139,12 @@ double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   scratch.weights.resize(columns.foci);
   scratch.sums.resize(columns.transducers);
   if (is_gs_pat(options.solver)) {
-    const LoudEfforts* const effort =
-        loud_effort(care_of(options.solver), options.constraint, columns.foci, columns.transducers, [&] {
+    const bool equal = std::ranges::all_of(scratch.gains, [](double gain) { return gain == 1; });
+    const LoudEfforts* const effort = loud_effort(
+        {care_of(options.solver), options.constraint, equal || options.gains_stay, columns.foci, columns.transducers},
+        [&](double share) {
           take_part(columns, loud_ears, scratch.ears);
-          return are_near(scratch.ears, scratch.matrix);
+          return are_near(scratch.ears, share, scratch.matrix);
         });
     if (effort) {
       loud_phases(columns, scratch.gains, options.constraint, *effort, scratch.sums, scratch.loud);
@@ -189,13 +198,13 @@ void drive_with_nulls(const Layout& layout, const DriveOptions& options, std::sp
   const double largest =
       sum_with_nulls(*options.nulls, scratch.columns, scratch.matrix, scratch.gains, options.constraint,
                      scratch.weights, scratch.sums, scratch.gs_pat, scratch.nulls);
-  constrain(scratch.sums, largest, options.constraint, shared, out);
+  constrain(scratch.sums, largest, options, shared, out);
 }
 
 void drive_several(const Layout& layout, const DriveOptions& options, std::span<TransducerDrive> out,
                    Scratch& scratch) {
   const double shared = shared_gain_of(scratch.sources);
-  const bool solved = options.solver != Solver::naive && scratch.sources.size() <= most_solved_foci;
+  const bool solved = is_solved(options, scratch.sources.size(), layout.transducers.size());
   if (solved) {
     fill_columns(layout, options, shared, scratch);
     if (options.solver == Solver::greedy) return drive_greedily(out, scratch, shared);
@@ -209,7 +218,7 @@ void drive_several(const Layout& layout, const DriveOptions& options, std::span<
       scratch.weights.push_back({.heard = relative_gain(source, shared)});
     largest = sum_sources(layout, options, scratch);
   }
-  constrain(scratch.sums, largest, options.constraint, shared, out);
+  constrain(scratch.sums, largest, options, shared, out);
 }
 
 /// Puts the drivable foci into `scratch.sources`.
@@ -227,9 +236,7 @@ void drive_sources(const Layout& layout, const DriveOptions& options, std::span<
   if (scratch.sources.size() == 1) {  // the paper's q_k, turned down
     Source source = scratch.sources[0];
     source.gain = as_amplitude(std::abs(scratch.factors[0]));  // its phase has no effect
-    DriveOptions clamped = options;
-    clamped.constraint = Constraint::clamp;
-    return drive_one(layout, source, clamped, out, scratch.columns);
+    return drive_one(layout, source, options, out, scratch.columns);
   }
   scratch.weights.clear();
   for (const Complex& factor : scratch.factors)
@@ -287,11 +294,14 @@ const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, F
 
 std::size_t quick_foci(std::size_t transducers, const DriveOptions& options, double within_s) {
   if (options.nulls) return 0;
-  if (options.solver == Solver::naive) return std::numeric_limits<std::size_t>::max();
-  const bool searches = options.solver == Solver::loudest || options.solver == Solver::back_propagation;
-  if (searches && options.constraint != Constraint::normalise) return 1;  // 3.7 ms for two foci in `paper`
   // A core of a Xeon does 1.4e7 or more.
   constexpr double transducers_and_foci_per_s = 1e7;
+  constexpr std::size_t any = std::numeric_limits<std::size_t>::max();
+  if (options.solver == Solver::naive) return any;
+  const bool searches = options.solver == Solver::loudest ||
+                        (options.solver == Solver::back_propagation && options.constraint != Constraint::normalise);
+  if (searches) return 1;  // 3.7 ms for two foci in `paper`
+  if (static_cast<double>(options.most_work) <= within_s * transducers_and_foci_per_s) return any;
   const double foci = within_s * transducers_and_foci_per_s / std::max(static_cast<double>(transducers), 1.0);
   return static_cast<std::size_t>(std::clamp(foci, 1.0, 1e6));
 }

@@ -13,7 +13,8 @@
 //   normalise: |G| / max(|S|, |G|), the largest taken over all transducers; uniform: 1; clamp: |G|; never above 1
 //
 // With max |S|, which no gain changes, a gain that all foci share is one scalar over the whole drive. max |G| counts
-// only where it is larger, with very unequal gains. A single focus is q_k times its gain, with any solver.
+// only where it is larger, with very unequal gains, or alone with DriveOptions::gains_stay. A single focus is q_k times
+// its gain, with any solver and constraint.
 //
 // If foci request a pressure, the constraint has no effect: G is then the sum of c_j q_j (slot_pressures.hpp), and the
 // amplitude is |G|, at most 1 everywhere. The above is the solver `naive`; for the others, see solvers/ and
@@ -36,6 +37,12 @@ namespace palpa::array {
 
 /// The transfer for these options. Prepares `free_field` if that is the one.
 const Transfer& transfer_of(const Layout& layout, const DriveOptions& options, FreeField& free_field);
+
+/// Whether the solver computes a slot of this many foci. If not, `naive` does.
+constexpr bool is_solved(const DriveOptions& options, std::size_t foci, std::size_t transducers) {
+  return options.solver != Solver::naive && foci > 1 && foci <= most_solved_foci &&
+         foci * transducers <= options.most_work;
+}
 
 /// With how many foci drive_for surely takes no longer than this on one core; 0: not even with one. Foci that request a
 /// pressure do not count.

@@ -142,7 +142,7 @@ DriveMemory::DriveMemory(const gpu::Device& device, const Layout& layout, const 
 
 void DriveMemory::reserve_host_drives(bool ends_long_loops) {
   pass_foci_ = ends_long_loops ? most_pass_foci(batch_.transducers) : std::numeric_limits<std::size_t>::max();
-  const bool seeking = may_seek();
+  const bool seeking = may_seek() || options_.gains_stay;
   if (pass_foci_ >= most_foci_ && !seeking && !options_.nulls) return;
   const std::size_t fewest = options_.nulls ? 1 : seeking ? 2 : pass_foci_ + 1;
   const std::size_t most = std::min<std::size_t>(most_slots_, most_foci_ / fewest);
@@ -154,23 +154,28 @@ void DriveMemory::reserve_host_drives(bool ends_long_loops) {
 }
 
 bool DriveMemory::may_seek() const {
-  return is_gs_pat(options_.solver) &&
-         loud_effort(care_of(options_.solver), options_.constraint, 2, batch_.transducers, [] { return true; });
+  return is_gs_pat(options_.solver) && is_solved(options_, 2, batch_.transducers);
 }
 
-/// The same decision as gs_pat's.
+/// Whether the host computes the slot because its phases are sought, or because `normalise` depends on its own gains:
+/// the kernels know neither.
 bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
-  if (!may_seek()) return false;
-  return loud_effort(care_of(options_.solver), options_.constraint, count, batch_.transducers, [&] {
-           ears_field_.set(ears_, options_.medium, options_.directivity);
-           ears_sources_.clear();
-           for (const SlotFocus& focus : foci) {
-             if (drivable(focus))
-               ears_sources_.push_back({focus.position, farthest_.distance_from(focus.position), gain_of(focus)});
-           }
-           ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
-           return are_near(ears_columns_, ears_matrix_);
-         }) != nullptr;
+  if (!may_seek() && !options_.gains_stay) return false;
+  ears_sources_.clear();
+  for (const SlotFocus& focus : foci) {
+    if (drivable(focus))
+      ears_sources_.push_back({focus.position, farthest_.distance_from(focus.position), gain_of(focus)});
+  }
+  const bool equal = std::ranges::all_of(
+      ears_sources_, [&](const FocusSource& source) { return source.gain == ears_sources_.front().gain; });
+  if (!equal && options_.gains_stay && options_.constraint == Constraint::normalise) return true;
+  if (!may_seek() || !is_solved(options_, count, batch_.transducers)) return false;
+  return loud_effort({care_of(options_.solver), options_.constraint, equal, count, batch_.transducers},
+                     [&](double share) {
+                       ears_field_.set(ears_, options_.medium, options_.directivity);
+                       ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
+                       return are_near(ears_columns_, share, ears_matrix_);
+                     }) != nullptr;
 }
 
 void DriveMemory::clear() {
@@ -213,7 +218,7 @@ bool DriveMemory::add_slot(std::span<const SlotFocus> foci) {
     if (drivable(focus)) shared = std::max(shared, gain_of(focus));
   }
   const auto foci_here = static_cast<std::uint32_t>(count);
-  const bool solved = options_.solver != Solver::naive && count > 1 && count <= most_solved_foci;
+  const bool solved = is_solved(options_, count, batch_.transducers);
   slots[batch_.slots++] = {used_foci_, foci_here, shared, solved ? used_entries_ : shader::drive_unsolved};
   if (count <= 1) {
     batch_.single = true;

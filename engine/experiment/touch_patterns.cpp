@@ -45,12 +45,18 @@ session::Plan plan_of(const ObservedMethod& observed, const TouchedScene& scene,
   touch.dwell_s = m.dwell_s;
   touch.method.method = m.method;
   touch.modulation_hz = m.modulation_hz;
+  setup::FocusingOptions focusing;
+  focusing.weighting = m.amplitude;
+  if (m.solver) focusing.solver = setup::choice_of(*m.solver);
+  focusing.constraint = m.constraint;
   setup::ComputeOptions compute;
   compute.backend = setup::Backend::cpu;
   setup::StepTimes times;
   const setup::OneTouch one =
       setup::touch_once(compute, touch, {}, scene.file, scene.solids, skin,
-                        {.layout = *observed.layout, .drive = setup::drive_options({}, m.method)}, times);
+                        {.layout = *observed.layout,
+                         .drive = setup::drive_options(focusing, *observed.layout, setup::solving_of(m.method))},
+                        times);
   if (one.touch.finger_count == 0) return {};
   const session::Plan& plan = one.session.plan();
   if (plan.cycle.plays == session::Plays::slot_by_slot)

@@ -7,6 +7,7 @@
 
 #include "array/loudness.hpp"
 #include "base/error.hpp"
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 #include "session/predict/capture_times.hpp"
 
@@ -19,6 +20,7 @@ std::string to_json(const ReplayStats& stats) {
       .member("silent_drives", stats.silent_drives)
       .member("slot_s", stats.slot_s)
       .member("duration_s", stats.duration_s);
+  if (stats.driven) array::driven_rows().write_members(json, *stats.driven);
   if (stats.dropped) write_dropped(*stats.dropped, json);
   write_pressures(stats.fingers, stats.solids, json);
   json.end_object();
@@ -94,6 +96,7 @@ ReplayStats replay(const PlayedFoci& played, const OutputSetting& setting, Link&
   ReplayStats stats;
   stats.slot_s = setting.slot_s;
   stats.solids = played.solids;
+  stats.driven = array::driven_by(setting.drive, setting.layout.transducers.size(), false);
   Player player(link, setting);
   PressureLog pressures(played.solids);
   array::Loudness loudness(setting.layout, setting.drive);
@@ -138,6 +141,7 @@ ReplayStats replay(Session& session, sensing::DepthSource& source, Link& link, c
   stats.slot_s = session.link_setting().slot_s;
   Player player(link, {setting.layout, setting.drive, stats.slot_s, setting.hold_s, setting.safety});
   stats.solids = session.solid_names();
+  stats.driven = session.driven_by();
   PressureLog pressures(session.solid_names());
   try {
     sensing::FrameSet set;

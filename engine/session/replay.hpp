@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "array/drive_options.hpp"
 #include "array/schedule.hpp"
 #include "session/links/safe_link.hpp"
 #include "session/loop/output.hpp"
@@ -82,9 +83,10 @@ struct ReplayStats {
   std::uint64_t drives = 0, silent_drives = 0;  ///< slots whose drive was sent
   std::optional<sensing::Dropped> dropped;      ///< if something could be dropped
   double slot_s = 0;
-  double duration_s = 0;                ///< duration of all slots, on the source's clock
-  std::vector<FingerPressure> fingers;  ///< filled if pressures were requested
-  std::vector<std::string> solids;      ///< the names of their solids
+  double duration_s = 0;                  ///< duration of all slots, on the source's clock
+  std::vector<FingerPressure> fingers;    ///< filled if pressures were requested
+  std::vector<std::string> solids;        ///< the names of their solids
+  std::optional<array::DrivenBy> driven;  ///< how drives were computed
 };
 std::string to_json(const ReplayStats& stats);
 

@@ -261,6 +261,12 @@ Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 
+array::DrivenBy Session::driven_by() const {
+  const SessionSetting& s = setting();
+  array::DrivenBy by = array::driven_by(s.drive, s.layout.transducers.size(), state_->scheduler.needs_pressures());
+  if (s.own_solver) by = {.weighting = s.drive.weighting};
+  return by;
+}
 const SessionSetting& Session::setting() const {
   return state_->setting;
 }
@@ -329,6 +335,7 @@ LoopStats Session::run(sensing::DepthSource& source, Link& link, std::atomic<boo
     stats.ear = acoustics::ear_level(ear.played(), ear.ear);
   stats.fingers = observer.pressures();
   stats.solids = observer.names();
+  stats.driven = driven_by();
   return stats;
 }
 

@@ -40,6 +40,8 @@ class Session {
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
 
+  /// How its drives are computed.
+  array::DrivenBy driven_by() const;
   const SessionSetting& setting() const;
   const std::vector<geometry::Solid>& solids() const { return setting().solids; }
   const std::vector<std::string>& solid_names() const;

@@ -46,7 +46,8 @@ static void fields(python::Archive& a, Schedule& o) {
   a(slot, voices, count, time, advance, once);
 }
 PALPA_FIELDS(Board, type, first, count, width, height, pose)
-PALPA_FIELDS(Layout, name, transducers, boards, factors, level, frequency, radius, pose)
+PALPA_FIELDS(Layout, name, transducers, boards, factors, level, frequency, law, radius, pose)
+PALPA_FIELDS(DrivenBy, weighting, solver, solved, constraint)
 }  // namespace palpa::array
 
 namespace palpa::acoustics {
@@ -66,7 +67,8 @@ PALPA_FIELDS(Mesh, positions, triangles)
 namespace palpa::session {
 PALPA_FIELDS(Event, kind, time, solid, finger, depth, centroid)
 PALPA_FIELDS(UntouchedStats, solid, distance, inside, why)
-PALPA_FIELDS(ReplayStats, frames, touching, untouched, drives, silent_drives, dropped, slot, duration, fingers, solids)
+PALPA_FIELDS(ReplayStats, frames, touching, untouched, drives, silent_drives, dropped, slot, duration, fingers, solids,
+             driven)
 PALPA_FIELDS(ScheduledFinger, placement, perimeter, tuned)
 }  // namespace palpa::session
 
@@ -75,17 +77,18 @@ PALPA_FIELDS(Draws, count, seed)
 PALPA_FIELDS(Grid, plane, centre, size, columns, rows)
 PALPA_FIELDS(SimulateSpread, draws, langevin, squared, force, torque)
 PALPA_FIELDS(UsedBackend, backend, why)
-PALPA_FIELDS(TouchValues, touch, schedule, common, fingers, solids, own, points, spectra, pressures, ear, computed,
-             total, times)
+PALPA_FIELDS(TouchValues, touch, schedule, common, fingers, solids, own, points, spectra, pressures, ear, driven,
+             computed, total, times)
 PALPA_FIELDS(DriveSpread, draws, pressures, evenness, nulls)
 PALPA_FIELDS(NullReport, places, kept, quiet, loud)
-PALPA_FIELDS(DriveResult, layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, nulls, spread)
+PALPA_FIELDS(DriveResult, layout, medium, foci, aimed, drive, pressure, effort, over, unresolved, asked, by, nulls,
+             spread)
 PALPA_FIELDS(Places, points, grid, line, triangles)
 PALPA_FIELDS(FieldSpread, draws, peak, peak_at, amplitudes)
-PALPA_FIELDS(FieldResult, places, pressures, loudest, air, layout, foci, spread, sum, total)
+PALPA_FIELDS(FieldResult, places, pressures, loudest, air, layout, foci, by, spread, sum, total)
 PALPA_FIELDS(ScatterResult, body, faces, points, totals, load, effort, far, loudest, air, from_array, times)
 PALPA_FIELDS(SimulateResult, method, penetration, top, body, tip, foci, aimed, pressure, langevin, squared, load,
-             effort, far, bare, spread, fingers, touched, spectra, unreached, times)
+             effort, far, bare, spread, by, fingers, touched, spectra, unreached, times)
 PALPA_FIELDS(ExportResult, stats, stopped)
 PALPA_FIELDS(Figure6Touch, object, result)
 }  // namespace palpa::setup

@@ -260,7 +260,10 @@ TEST(Drives, AreQuickForFewFociOfASlowSolver) {
   EXPECT_EQ(quick(Solver::gs_pat, Constraint::uniform, 3984), 3U);
   EXPECT_EQ(quick(Solver::gs_pat, Constraint::uniform, 256), 58U);
   EXPECT_EQ(quick(Solver::loudest, Constraint::uniform, 256), 1U);
-  EXPECT_EQ(quick(Solver::loudest, Constraint::normalise, 256), 58U);
+  EXPECT_EQ(quick(Solver::loudest, Constraint::normalise, 256), 1U);
+  const DriveOptions limited{.solver = Solver::gs_pat, .most_work = 8192};
+  EXPECT_GT(quick_foci(3984, limited, slot_s), 1000U) << "what is not quick is naive";
+  EXPECT_EQ(quick_foci(3984, limited, 0.5e-3), 1U);
   EXPECT_EQ(quick(Solver::back_propagation, Constraint::clamp, 256), 1U);
   const std::vector<Null> nulls(1);
   const auto silent = std::make_shared<Nulls>(scattered(8, 1), Medium(), Directivity::omni, nulls);

@@ -139,7 +139,7 @@ TEST_F(CliExport, EachSlotPlaysTheNewestFrameByThen) {
     const json& at = finger["foci_m"][order[slot % order.size()].get<std::size_t>()];
     const array::SlotFocus focus{Vec3(at[0], at[1], at[2]), 1};
     array::Drive wanted(layout.transducers.size());
-    array::drive_for(layout, std::span(&focus, 1), setup::drive_options({}), wanted);
+    array::drive_for(layout, std::span(&focus, 1), setup::drive_options({}, layout, setup::Solving::by_slot), wanted);
     for (std::size_t t = 0; t < wanted.size(); t += 97) {
       ASSERT_NEAR(played.drive[t].amplitude, wanted[t].amplitude, 1e-5) << slot;
       ASSERT_LT(std::abs(std::remainder(played.drive[t].phase - wanted[t].phase, 2 * std::numbers::pi)), 1e-3) << slot;

@@ -93,12 +93,12 @@ array::SlotFocus ShownSensation::show(Picture& picture, std::uint64_t slot) {
 ShownTouch::ShownTouch(const ViewerOptions& options)
     : layout_(std::make_shared<const array::Layout>()),
       air_(setup::air(options.drive.medium, {})),
-      spot_m_(options.touch.spot_m),
-      drive_options_(setup::drive_options(options.drive, options.touch.method.method)) {
+      spot_m_(options.touch.spot_m) {
   picture_.title = options.title;
   {
     const setup::Preparing preparing(options.common.quiet);
     load_array(options);
+    drive_options_ = setup::drive_options(options.drive, *layout_, setup::solving_of(options.touch.method.method));
     if (!options.input.scene.empty()) load_objects(options);
   }
   if (!options.skin.empty() && !picture_.skin) load_skin_surface(options);
@@ -216,7 +216,7 @@ void ShownTouch::load_array(const ViewerOptions& options) {
 
 void ShownTouch::take_array(const array::Layout& layout, const Transform& T_world_layout) {
   layout_ = std::make_shared<const array::Layout>(array::transformed(layout, T_world_layout));
-  setup::warn_of_frequency(*layout_, drive_options_.medium);
+  setup::warn_of_frequency(*layout_, air_.medium);
   show_array(picture_, *layout_);
 }
 

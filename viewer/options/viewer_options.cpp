@@ -390,7 +390,7 @@ void check(const ViewerOptions& o) {
   }
   check_eyes(o);
   picture_size(o);
-  setup::drive_options(o.drive);
+  check(o.drive, setup::FingerMesh::unknown);
   refuse_idle(o);
 }
 

@@ -66,6 +66,9 @@ setup::LiveOptions options_of_method(const study::StudyPlan& plan, std::size_t m
   options.touch.modulation_hz = own.modulation_hz;
   options.touch.method.method = own.method;
   options.touch.method_given = true;
+  options.drive.weighting = own.amplitude;
+  if (own.solver) options.drive.solver = setup::choice_of(*own.solver);
+  options.drive.constraint = own.constraint;
   options.axes = plan.run.axes;
   options.smoothing = plan.run.smoothing;
   options.hysteresis = plan.run.hysteresis;

@@ -8,10 +8,7 @@ using array::Columns;
 using array::FocusSource;
 
 ArrayField::ArrayField(const array::Layout& layout, const array::DriveOptions& drive)
-    : layout_(layout),
-      weighting_(drive.constraint == array::Constraint::uniform ? array::Weighting::uniform : drive.weighting),
-      farthest_(layout),
-      step_m_(1 / drive.medium.turns_per_metre() / 6) {
+    : layout_(layout), weighting_(drive.weighting), farthest_(layout), step_m_(1 / drive.medium.turns_per_metre() / 6) {
   transfer_.set(layout, drive.medium, drive.directivity);
 }
 

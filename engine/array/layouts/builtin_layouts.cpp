@@ -29,6 +29,7 @@ Layout paper_tunnel() {
   const BoardType& unit = *find_board_type("autd3");
   const Vec3 up{0, 0, 1};  // each unit's y runs along the tunnel
   Layout layout;
+  layout.amplitude_law = Weighting::distance;  // the paper's q_k
   for (const Vec3& inwards : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
     const Vec3 around = glm::cross(up, inwards);
     for (const int row : {-1, 1}) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "array/field/constraint.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {
@@ -37,8 +38,11 @@ struct Layout {
   /// 0..1: what the amplitude of each transducer is multiplied by, from its board's own file. Empty: nothing. Only
   /// links to boards fill it (session::Link::boards).
   std::vector<float> factors{};
-  double source_level_pa_m = 4.386;     ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
-  double frequency_hz = 40e3;           ///< the design frequency of its transducers
+  double source_level_pa_m = 4.386;  ///< peak pressure at 1 m on the axis at full amplitude, times 1 m
+  double frequency_hz = 40e3;        ///< the design frequency of its transducers
+  /// The amplitudes of a focus that sounds alone, unless the user says otherwise. `paper`: by distance, as in the
+  /// paper.
+  Weighting amplitude_law = Weighting::uniform;
   double transducer_radius_m = 4.5e-3;  ///< of the sounding part; the piston's directivity depends on it
   /// The default pose if neither rig nor user gives one: `paper` at the world's origin, a board 150 mm below it facing
   /// +y.

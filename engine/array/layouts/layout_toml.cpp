@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <iterator>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +19,8 @@
 #include "base/error.hpp"
 #include "base/files/input_file.hpp"
 #include "base/files/toml.hpp"
+#include "base/text.hpp"
+#include "base/words.hpp"
 
 namespace palpa::array {
 namespace {
@@ -112,6 +116,15 @@ Layout parse_layout_toml(std::string_view text, const std::string& file) {
                       fmt::format("transducer_radius_m is {}; it must be above 0 and at most 0.1 m, such as 0.0045",
                                   layout.transducer_radius_m));
     }
+  }
+  if (top.has("amplitude_law")) {
+    const std::string law = top.text("amplitude_law");
+    const std::optional<Weighting> known = value_of(weighting_words, law);
+    if (!known) {
+      throw top.fault("amplitude_law",
+                      fmt::format("amplitude_law is {}; it must be {}", printable(law, 40), one_of(weighting_words)));
+    }
+    layout.amplitude_law = *known;
   }
   layout.frequency_hz = top.number_or("frequency_hz", layout.frequency_hz, least_frequency, most_frequency);
   std::vector<Origin> origins;

@@ -30,7 +30,7 @@ Box around(const Vec3& centre, double reach) {
 /// The pressure of a focus with the drive for its sound, over that with the drive for free air.
 double gain_of(std::span<const Complex> sound, const array::Layout& layout, const Vec3& focus,
                const array::DriveOptions& drive) {
-  const bool even = drive.constraint == array::Constraint::uniform || drive.weighting == array::Weighting::uniform;
+  const bool even = drive.weighting == array::Weighting::uniform;
   double heard = 0;
   Complex before = 0;
   for (std::size_t t = 0; t < sound.size(); ++t) {

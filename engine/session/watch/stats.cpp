@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "base/files/json_rows.hpp"
 #include "base/files/json_writer.hpp"
 
 namespace palpa::session {
@@ -130,7 +131,9 @@ std::string to_json(const LoopStats& stats) {
   json.end_object();
   json.key("drives").begin_object();
   json.member("sent", stats.output.drives).member("silent", stats.output.silent_drives);
-  json.member("skipped_slots", stats.output.skipped_slots).end_object();
+  json.member("skipped_slots", stats.output.skipped_slots);
+  if (stats.driven) array::driven_rows().write_members(json, *stats.driven);
+  json.end_object();
   if (stats.output.scheduling != Scheduling::unknown) add_scheduling(json, stats.output);
   add_hand_over(json, stats.output.hand_over);
   if (stats.events) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acoustics/audible.hpp"
+#include "array/drive_options.hpp"
 #include "base/files/json_writer.hpp"
 #include "gpu/pass_time.hpp"
 #include "sensing/no_skin.hpp"
@@ -141,6 +142,7 @@ struct LoopStats {
   std::optional<acoustics::EarLevel> ear;  ///< how loud the loudest touch was to the ear, as predicted; none: no touch
   std::vector<FingerPressure> fingers;     ///< filled if pressures were requested
   std::vector<std::string> solids;         ///< the names of their solids
+  std::optional<array::DrivenBy> driven;   ///< how drives were computed
 
   void add_passes(std::span<const gpu::PassTime> times);
 };

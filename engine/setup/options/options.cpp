@@ -17,7 +17,7 @@ namespace palpa::setup {
 namespace {
 
 static_assert(static_cast<int>(SolverChoice::back_propagation) == static_cast<int>(array::Solver::back_propagation));
-constexpr Word<SolverChoice> solver_words[] = {
+constexpr Word<SolverChoice> choice_words[] = {
     {"naive", SolverChoice::naive},           {"gs-pat", SolverChoice::gs_pat},
     {"greedy", SolverChoice::greedy},         {"loudest", SolverChoice::loudest},
     {"eigenvalue", SolverChoice::eigenvalue}, {"back-propagation", SolverChoice::back_propagation},
@@ -256,20 +256,21 @@ acoustics::Air air(const MediumOptions& options, const AirOptions& rest) {
 void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh) {
   const line::Group group(app, "Drives");
   group.choice("--amplitude", options.weighting, array::weighting_words,
-               "amplitude that a focus asks of each transducer, by its distance or all the same");
+               "amplitude that a focus asks of each transducer, by its distance or all the same [distance in paper, "
+               "uniform on every other layout that does not say otherwise]");
   group.choice(
-      "--solver", options.solver, solver_words,
+      "--solver", options.solver, choice_words,
       mesh == FingerMesh::known
-          ? "how foci that sound together share the array; adjoint is naive with --transfer finger [naive; for "
-            "the method multi-focus gs-pat]"
+          ? "how foci that sound together share the array; adjoint is naive with --transfer finger [the loudest "
+            "that is fast enough, see docs/solvers.md]"
           : "how foci that sound together share the array; adjoint needs a finger's mesh, as palpa drive, "
-            "simulate and run have [naive; for the method multi-focus gs-pat]");
+            "simulate and run have [the loudest that is fast enough, see docs/solvers.md]");
   if (mesh == FingerMesh::known) {
     group.choice("--transfer", options.transfer, transfer_words,
                  "whether foci are computed from the sound in free air, or from the sound around the finger [free]");
   }
   group.choice("--constraint", options.constraint, array::constraint_words,
-               "how amplitudes get into the range 0 to 1 [normalise]");
+               "how the amplitudes of foci that sound together get into the range 0 to 1 [uniform]");
   group.quantity("--pressure", options.pressure_pa, Quantity::pressure, line::positive(array::most_pressure_pa),
                  "peak pressure at each focus, whatever else sounds, instead of --constraint [as loud as possible]");
   add_propagation_options(app, options);
@@ -302,7 +303,15 @@ std::string asks_for_finger(const FocusingOptions& options) {
   return options.transfer == TransferChoice::finger ? "--transfer finger" : "";
 }
 
-array::DriveOptions drive_options(const FocusingOptions& options, touch::Method method, FingerMesh mesh) {
+SolverChoice choice_of(array::Solver solver) {
+  return static_cast<SolverChoice>(solver);
+}
+
+Solving solving_of(touch::Method method) {
+  return touch::sounds_together(method) ? Solving::by_frame : Solving::by_slot;
+}
+
+void check(const FocusingOptions& options, FingerMesh mesh) {
   if (options.solver == SolverChoice::adjoint && options.transfer == TransferChoice::free)
     throw bad_usage("--solver adjoint means naive with --transfer finger: leave --transfer free out");
   if (const std::string asks = asks_for_finger(options); !asks.empty() && mesh == FingerMesh::unknown) {
@@ -314,12 +323,24 @@ array::DriveOptions drive_options(const FocusingOptions& options, touch::Method 
     throw bad_usage(options.nulls_from + ": nulls are places in free air: leave " + asks_for_finger(options) + " out");
   if (silent && options.solver && *options.solver != SolverChoice::gs_pat)
     throw bad_usage(options.nulls_from + " goes with --solver gs-pat: no other solver leaves places silent");
+}
+
+array::DriveOptions drive_options(const FocusingOptions& options, const array::Layout& layout, Solving solving,
+                                  FingerMesh mesh) {
+  check(options, mesh);
   array::DriveOptions drive;
-  drive.weighting = options.weighting;
-  drive.constraint = options.constraint.value_or(array::Constraint::normalise);
+  drive.weighting = options.weighting.value_or(layout.amplitude_law);
+  drive.constraint = options.constraint.value_or(array::Constraint::uniform);
   drive.medium = medium(options.medium);
-  const SolverChoice usual = touch::sounds_together(method) || silent ? SolverChoice::gs_pat : SolverChoice::naive;
-  drive.solver = solver_of(options.solver.value_or(usual));
+  drive.gains_stay = solving == Solving::once;
+  if (options.solver) {
+    drive.solver = solver_of(*options.solver);
+  } else if (solving == Solving::once && options.nulls.empty()) {
+    drive.solver = array::Solver::loudest;
+  } else {
+    drive.solver = array::Solver::gs_pat;
+    if (solving == Solving::by_slot && options.nulls.empty()) drive.most_work = most_solved_work;
+  }
   drive.directivity = options.directivity;
   return drive;
 }

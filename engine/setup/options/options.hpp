@@ -142,15 +142,16 @@ acoustics::Air air(const MediumOptions& medium, const AirOptions& options);
 
 /// --solver: one of array::Solver, in its order, or `adjoint`, which is naive with the transfer of a finger.
 enum class SolverChoice { naive, gs_pat, greedy, loudest, eigenvalue, back_propagation, adjoint };
+SolverChoice choice_of(array::Solver solver);
 /// --transfer: foci are computed from the transducers' sound in free air or on a finger.
 enum class TransferChoice { free, finger };
 
 /// The options for computing drives.
 struct FocusingOptions {
-  array::Weighting weighting = array::Weighting::distance;
-  std::optional<SolverChoice> solver;
+  std::optional<array::Weighting> weighting;    ///< default: the layout's law
+  std::optional<SolverChoice> solver;           ///< default: by Solving
   std::optional<TransferChoice> transfer;       ///< default: free
-  std::optional<array::Constraint> constraint;  ///< default: normalise
+  std::optional<array::Constraint> constraint;  ///< default: uniform
   std::optional<double> pressure_pa;            ///< at each focus, instead of a constraint
   array::Directivity directivity = array::Directivity::t4010a1;
   MediumOptions medium;
@@ -163,13 +164,24 @@ enum class FingerMesh { unknown, known };
 void add_drive_options(CLI::App& app, FocusingOptions& options, FingerMesh mesh = FingerMesh::unknown);
 /// Adds those of them that say how sound travels from transducers to points.
 void add_propagation_options(CLI::App& app, FocusingOptions& options);
-/// Without --solver, the solver is gs_pat for the method multi_focus, whose foci sound together, and with nulls, and
-/// naive otherwise. Throws bad_usage if a pressure is requested with a constraint, with greedy or with nulls, and for
-/// nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets DriveOptions::nulls. Throws
-/// bad_usage for a finger's transfer unless the command has the finger's mesh; the command then sets
-/// DriveOptions::transfer.
-array::DriveOptions drive_options(const FocusingOptions& options, touch::Method method = touch::Method::cross_section,
+/// How often drives are computed, which decides the solver where no option does.
+enum class Solving {
+  once,      ///< a drive by itself: `loudest`
+  by_slot,   ///< the foci of several fingers, in each slot of a frame: gs_pat up to most_solved_work, beyond it naive
+  by_frame,  ///< the foci of the method multi_focus, the same in all slots of a frame: gs_pat
+};
+Solving solving_of(touch::Method method);
+/// Foci times transducers of a slot that two cores solve with gs_pat in each slot of 1.5 ms, at 90 frames per second:
+/// 32 foci on a board of 256. It is a fixed number, so that every machine computes the same drives.
+inline constexpr std::size_t most_solved_work = 8192;
+/// With nulls, the solver is gs_pat. Throws bad_usage if a pressure is requested with a constraint, with greedy or with
+/// nulls, and for nulls with another solver or a finger's transfer; prepare_nulls (nulls.hpp) then sets
+/// DriveOptions::nulls. Throws bad_usage for a finger's transfer unless the command has the finger's mesh; the command
+/// then sets DriveOptions::transfer.
+array::DriveOptions drive_options(const FocusingOptions& options, const array::Layout& layout, Solving solving,
                                   FingerMesh mesh = FingerMesh::unknown);
+/// The same checks alone.
+void check(const FocusingOptions& options, FingerMesh mesh);
 /// The option that requests a finger's transfer; empty if none does.
 std::string asks_for_finger(const FocusingOptions& options);
 

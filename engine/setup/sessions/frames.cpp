@@ -77,7 +77,7 @@ session::SessionSetting session_setting(const FrameOptions& o, std::vector<geome
   session::ScheduleOptions schedule = schedule_options(o.touch);
   schedule.voice.pressure_pa = o.drive.pressure_pa;
   schedule.own_method = o.own_method;
-  array::DriveOptions drive = drive_options(o.drive, o.touch.method.method, mesh);
+  array::DriveOptions drive = drive_options(o.drive, layout, solving_of(o.touch.method.method), mesh);
   prepare_nulls(o.drive, layout, drive);
   return {.scene = o.scene,
           .solids = std::move(solids),

@@ -183,7 +183,7 @@ double playable(double fastest_hz, const std::string& who) {
 Playing::Playing(PlacedLayout array, const PlayOptions& o)
     : placed(std::move(array)),
       posed(array::transformed(placed.layout, placed.T_world_layout)),
-      setting{.output = {posed, drive_options(o.drive), 0, o.hold_s, o.safety, nullptr},
+      setting{.output = {posed, drive_options(o.drive, posed, Solving::by_slot), 0, o.hold_s, o.safety, nullptr},
               .T_world_array = placed.T_world_layout,
               .upright = o.upright,
               .end_s = o.duration_s,

@@ -143,7 +143,6 @@ std::vector<AskedFocus> foci_of_pattern(const std::string& name, FocusingOptions
     foci.push_back({position, amplitude});
   drive.nulls.insert(drive.nulls.end(), pattern.nulls.begin(), pattern.nulls.end());
   drive.nulls_from = "--pattern " + name;
-  if (!drive.solver) drive.solver = SolverChoice::gs_pat;
   return foci;
 }
 
@@ -157,6 +156,7 @@ void drive_slot(const array::Layout& layout, array::Schedule& schedule, const ar
   result.layout = layout;
   result.medium = options.medium;
   result.pressure_asked = !factors.empty();
+  result.by = array::driven_by(options, layout.transducers.size(), result.pressure_asked);
   result.drive = drive_by(by, layout, result.foci, factors, options);
   result.pressure =
       by.finger ? acoustics::pressure_at_foci(layout, result.drive, result.foci, by.finger->sound)
@@ -186,7 +186,7 @@ DriveResult drive_foci(const array::Layout& layout, std::span<const AskedFocus> 
   }
   check_values(drive);
   array::DriveOptions options =
-      drive_options(drive, touch::Method::cross_section, by.finger ? FingerMesh::known : FingerMesh::unknown);
+      drive_options(drive, layout, Solving::once, by.finger ? FingerMesh::known : FingerMesh::unknown);
   warn_of_frequency(layout, options.medium);
   prepare_nulls(drive, layout, options);
   array::Schedule schedule = schedule_of(foci, layout);
@@ -249,6 +249,7 @@ const JsonRows<DriveResult>& drive_rows() {
           .value("transducers", [](const Result& r) { return std::uint64_t{r.drive.size()}; })
           .value("sound_speed_m_s", [](const Result& r) { return r.medium.sound_speed; })
           .value("frequency_hz", [](const Result& r) { return r.medium.frequency; })
+          .members(array::driven_rows(), [](const Result& r) { return r.by; })
           .value("foci_m", [](const Result& r) { return std::views::transform(r.foci, &array::SlotFocus::position); })
           .value("aimed_m", [](const Result& r) { return r.aimed.empty() ? nullptr : &r.aimed; })
           .object(
@@ -342,12 +343,12 @@ DriveResult make_drive(const DriveTask& task, const CommonOptions& common, const
   FocusingOptions drive = task.drive;
   std::vector<AskedFocus> pattern;
   if (!task.pattern.empty()) pattern = foci_of_pattern(task.pattern, drive);
-  array::DriveOptions options =
-      drive_options(drive, played.together ? touch::Method::multi_focus : touch::Method::cross_section,
-                    task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known);
+  const FingerMesh mesh = task.mesh.empty() ? FingerMesh::unknown : FingerMesh::known;
+  check(drive, mesh);
   check_pressures(task, played.schedule);
   const PlacedLayout placed = task.placed ? *task.placed : load_placed_layout({.rig = task.rig, .layout = task.layout});
   const array::Layout& layout = placed.layout;
+  array::DriveOptions options = drive_options(drive, layout, Solving::once, mesh);
   warn_of_frequency(layout, options.medium);
   prepare_nulls(drive, layout, options);
   array::Schedule schedule = !task.pattern.empty() ? schedule_of(pattern, layout)

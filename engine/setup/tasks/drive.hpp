@@ -72,6 +72,7 @@ struct DriveResult {
   std::vector<double> over_free_field;
   std::vector<array::FocusPair> unresolved;  ///< foci that are closer together than the array resolves
   bool pressure_asked = false;               ///< some focus requests a pressure
+  array::DrivenBy by;                        ///< how the drive was computed
   std::optional<NullReport> nulls;           ///< if there are nulls
   std::optional<DriveSpread> spread;         ///< if requested
 

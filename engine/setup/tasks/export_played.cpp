@@ -26,7 +26,7 @@ ExportResult export_played(const ExportTask& task, std::atomic<bool>& stop) {
   const touch::Method method = together ? touch::Method::multi_focus : touch::Method::cross_section;
   const PosedRig rig = load_posed_rig(task.rig);
   const session::OutputSetting setting{.layout = rig.layout,
-                                       .drive = drive_options(task.drive, method),
+                                       .drive = drive_options(task.drive, rig.layout, solving_of(method)),
                                        .slot_s = played.slot_s,
                                        .hold_s = task.hold_s,
                                        .safety = task.safety};

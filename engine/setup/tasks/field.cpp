@@ -11,6 +11,7 @@
 #include "acoustics/field/incident.hpp"
 #include "array/layouts/as_built.hpp"
 #include "array/layouts/layout.hpp"
+#include "array/loudness.hpp"
 #include "array/schedule.hpp"
 #include "base/activity.hpp"
 #include "base/error.hpp"
@@ -29,13 +30,14 @@ namespace {
 /// The drive of the file, or one that is made for the foci. The foci are then added to `result`.
 array::Drive drive_of(const FieldTask& task, const array::Layout& layout, FieldResult& result) {
   if (!task.drive_file.empty()) return load_drive(task.drive_file, layout);
-  array::DriveOptions options = drive_options(task.drive);
+  array::DriveOptions options = drive_options(task.drive, layout, Solving::once);
   array::Schedule schedule = schedule_of(task.foci, layout);
   prepare_nulls(task.drive, layout, options);
   for (array::Voice& voice : schedule.voices)
     voice.pressure_pa = task.drive.pressure_pa;
   array::foci_of_slot(schedule, 0, result.foci);
   check_nulls(layout, result.foci, options);
+  result.by = array::driven_by(options, layout.transducers.size(), array::Loudness::asked(schedule));
   array::Drive drive = drive_on_cpu(layout, result.foci, factors_for(layout, schedule, options), options);
   warn_of_nulls(report_nulls(layout, drive, result.foci, options));
   return drive;
@@ -95,6 +97,7 @@ const JsonRows<FieldResult>& field_rows() {
           .value("sound_speed_m_s", [](const Result& r) { return r.air.medium.sound_speed; })
           .value("density_kg_m3", [](const Result& r) { return r.air.density_kg_m3; })
           .value("absorption_np_m", [](const Result& r) { return r.air.absorption_np_m; })
+          .members(array::driven_rows(), [](const Result& r) { return r.by ? &*r.by : nullptr; })
           .object("spread", spread, [](const Result& r) { return r.spread ? &*r.spread : nullptr; })
           .written({}, [](JsonWriter& json, const Result& r) {
             json.key("timing_ms").begin_object().member("field", r.sum_ms).member("total", r.total_ms).end_object();

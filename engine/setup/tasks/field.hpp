@@ -52,9 +52,10 @@ struct FieldResult {
   std::vector<std::complex<double>> pressures;  ///< one per point
   std::size_t loudest = 0;                      ///< the first point with the largest |p|
   acoustics::Air air;
-  std::string layout;                  ///< name of the layout
-  std::vector<array::SlotFocus> foci;  ///< for which the drive was made; empty if the drive was given
-  std::optional<FieldSpread> spread;   ///< if requested
+  std::string layout;                   ///< name of the layout
+  std::vector<array::SlotFocus> foci;   ///< for which the drive was made; empty if the drive was given
+  std::optional<array::DrivenBy> by{};  ///< how it was made
+  std::optional<FieldSpread> spread;    ///< if requested
   /// Times of the sum and of the complete task. A caller may add the time for its use of the result.
   double sum_ms = 0, total_ms = 0;
 

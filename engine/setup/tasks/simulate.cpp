@@ -236,7 +236,7 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
   const PosedRig rig = load_posed_rig(o.rig);
   const TouchInput skin = o.skin == Skin::cameras ? seen_skin(o, rig, finger, dy) : skin_of(finger.as_given(), dy);
   TouchArray array{.layout = rig.layout,
-                   .drive = drive_options(o.drive, method, FingerMesh::known),
+                   .drive = drive_options(o.drive, rig.layout, solving_of(method), FingerMesh::known),
                    .pressure_pa = o.drive.pressure_pa};
   check_array(o, array, solids, finger.name(), result.body);
   result.times.emplace_back("load", watch.lap_ms());
@@ -255,6 +255,7 @@ SimulateResult simulate(const SimulateTask& o, FingerBody& finger, const std::st
       touch_once(o.compute, o.touch, o.in_time, scene, std::move(solids), skin, std::move(array), result.times);
   if (one.touch.finger_count == 0) refuse_untouched(scene, one.session.solids(), skin);
   result.foci = foci_of(one.session);
+  result.by = one.session.driven_by();
   if (!sound) stand();
   watch.lap_ms();
   session::Plan focused;

@@ -72,6 +72,7 @@ const JsonRows<SimulateResult>& simulate_rows() {
           .object("finger", body, [](const Result& r) { return &r; })
           .value("method", [](const Result& r) { return word_of(touch::method_words, r.method); })
           .value("penetration_m", [](const Result& r) { return r.penetration_m; })
+          .members(array::driven_rows(), [](const Result& r) { return r.by; })
           .value("foci_m", [](const Result& r) { return &r.foci; })
           .value("aimed_m", aimed_of)
           .object("langevin", spot_rows(), [](const Result& r) { return &r.langevin; })

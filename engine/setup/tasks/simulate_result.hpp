@@ -8,6 +8,7 @@
 #include "acoustics/bodies/radiation.hpp"
 #include "acoustics/bodies/rigid_body.hpp"
 #include "acoustics/felt/spectrum.hpp"
+#include "array/drive_options.hpp"
 #include "base/files/json_rows.hpp"
 #include "base/math.hpp"
 #include "geometry/mesh/mesh.hpp"
@@ -35,6 +36,7 @@ struct SimulateResult {
   /// If requested: the elongation of the same sound's spot without the finger.
   std::optional<double> bare_elongation;
   std::optional<SimulateSpread> spread;  ///< with --spread
+  array::DrivenBy by;                    ///< how drives are computed
   /// With --spectrum or --tune: one for each touching patch of skin.
   std::vector<session::ScheduledFinger> fingers;
   std::vector<std::string> touched;          ///< the solid of each of `fingers`

@@ -69,12 +69,12 @@ bool TouchResult::beyond_linear() const {
 namespace {
 
 TouchArray load_array(const TouchTask& o, std::span<const geometry::Solid> solids) {
-  TouchArray array{.layout = {},
-                   .drive = drive_options(o.array.drive, o.touch.method.method),
-                   .pressure_pa = o.array.drive.pressure_pa};
+  check(o.array.drive, FingerMesh::unknown);
+  TouchArray array{.layout = {}, .drive = {}, .pressure_pa = o.array.drive.pressure_pa};
   if (o.array.layout.empty()) return array;
   check(o.array.drive, solids);
   array.layout = load_posed_layout(o.array.layout);
+  array.drive = drive_options(o.array.drive, array.layout, solving_of(o.touch.method.method));
   warn_of_reach(array.layout, solids);
   warn_of_frequency(array.layout, array.drive.medium);
   return array;
@@ -143,6 +143,7 @@ TouchResult touch_scene(const TouchTask& asked, const std::string& scene, std::v
     values.ear = ear_of(options, session);
   }
   result.unreached = session::unreached(session.schedule(), session.solid_names());
+  if (!options.array.layout.empty()) values.driven = session.driven_by();
   values.computed = used_backend(options.compute);
   values.total_ms = whole.lap_ms();
   values.times = std::move(times);
@@ -280,6 +281,7 @@ const JsonRows<TouchValues>& touch_rows() {
               },
               JsonWriter::Style::block)
           .object("schedule", schedule_rows(), [](const Values& v) { return &v.common; })
+          .members(array::driven_rows(), [](const Values& v) { return v.driven ? &*v.driven : nullptr; })
           .written({"audible_dba.#"},
                    [](JsonWriter& json, const Values& v) {
                      if (v.ear) acoustics::write_level(*v.ear, json);

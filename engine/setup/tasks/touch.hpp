@@ -15,6 +15,7 @@
 
 #include "acoustics/audible.hpp"
 #include "acoustics/felt/spectrum.hpp"
+#include "array/drive_options.hpp"
 #include "array/schedule.hpp"
 #include "base/files/json_rows.hpp"
 #include "geometry/solid.hpp"
@@ -62,6 +63,7 @@ struct TouchValues {
   std::vector<acoustics::Spectrum> spectra;    ///< with FeltOptions::spectrum, one for each finger; otherwise empty
   std::vector<std::vector<double>> pressures;  ///< Pa, with a layout: for each finger, for each focus of its voice
   std::optional<acoustics::EarLevel> ear;      ///< with HeardOptions::audible and a finger
+  std::optional<array::DrivenBy> driven;       ///< with a layout: how its drives are computed
   std::optional<UsedBackend> computed;         ///< what computed, and why
   double total_ms = 0;
   StepTimes times;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "array/drive_options.hpp"
+#include "array/field/constraint.hpp"
 #include "touch/methods/method.hpp"
 
 namespace palpa::study {
@@ -18,6 +20,10 @@ struct PlanMethod {
   double dwell_s = 1.5e-3, modulation_hz = 200, delta_m = 1.5e-3;
   std::string layout = "paper";  ///< built-in name, or a file; a plan's is resolved from its folder
   bool layout_given = false;     ///< by the plan; otherwise, a run takes that of its array
+  /// How drives are computed, as --amplitude, --solver and --constraint say it. Without, as a run does.
+  std::optional<array::Weighting> amplitude;
+  std::optional<array::Solver> solver;
+  std::optional<array::Constraint> constraint;
 };
 
 }  // namespace palpa::study

@@ -63,6 +63,9 @@ PlanMethod method_of(TomlTable& table, const std::string& plan) {
   method.layout_given = table.has("layout");
   method.layout = table.text_or("layout", method.layout);
   if (std::filesystem::path(method.layout).extension() == ".toml") method.layout = next_to(plan, method.layout);
+  if (table.has("amplitude")) method.amplitude = word_at(table, "amplitude", array::weighting_words);
+  if (table.has("solver")) method.solver = word_at(table, "solver", array::solver_words);
+  if (table.has("constraint")) method.constraint = word_at(table, "constraint", array::constraint_words);
   table.done();
   return method;
 }

@@ -171,6 +171,13 @@ bool has_amplitudes(const array::Board& board) {
   return type == nullptr || type->has_amplitudes();
 }
 
+/// An array, and how a method drives it.
+struct Sounding {
+  array::Layout layout;
+  bool equal = true;  ///< all amplitudes may be equal
+  array::Solver solver{};
+};
+
 /// The arrays of the plan's methods, each once.
 std::vector<array::Layout> layouts_of(const StudyPlan& plan, const array::Layout* placed) {
   std::set<std::string> names;
@@ -184,13 +191,32 @@ std::vector<array::Layout> layouts_of(const StudyPlan& plan, const array::Layout
   return layouts;
 }
 
+/// The same for each way in which methods drive an array.
+std::vector<Sounding> soundings_of(const StudyPlan& plan, const array::Layout* placed) {
+  const bool asks = std::ranges::any_of(plan.shapes, &PlanShape::asks_pressure);
+  std::vector<Sounding> soundings;
+  for (const array::Layout& layout : layouts_of(plan, placed)) {
+    const bool on_off = !std::ranges::all_of(layout.boards, has_amplitudes);
+    for (const PlanMethod& method : plan.methods) {
+      if (method.layout != layout.name) continue;
+      const bool equal = asks || on_off || method.constraint != array::Constraint::normalise ||
+                         method.amplitude.value_or(layout.amplitude_law) == array::Weighting::uniform;
+      const array::Solver solver = method.solver.value_or(array::Solver::gs_pat);
+      const auto same = [&](const Sounding& one) {
+        return one.layout.name == layout.name && one.equal == equal && one.solver == solver;
+      };
+      if (std::ranges::none_of(soundings, same)) soundings.push_back({layout, equal, solver});
+    }
+  }
+  return soundings;
+}
+
 /// The level of a plan's sound at any ceiling. Several at once take little longer than one.
 class Prediction {
  public:
   Prediction(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed)
       : plan_(plan),
-        layouts_(layouts_of(plan, placed)),
-        asks_(std::ranges::any_of(plan.shapes, &PlanShape::asks_pressure)),
+        soundings_(soundings_of(plan, placed)),
         places_(ball_around(plan.level.ears[0])),
         per_ear_(places_.size()) {
     const std::vector<Vec3> right = ball_around(plan.level.ears[1]);
@@ -203,8 +229,8 @@ class Prediction {
     std::vector<EarLevel> levels(
         ceilings.size(),
         EarLevel{.db = {level_of(0), level_of(0)}, .bound_db = level_of(0), .sounding_s = study::sounding_s(plan_)});
-    for (const array::Layout& layout : layouts_)
-      add(layout, ceilings, levels);
+    for (const Sounding& sounding : soundings_)
+      add(sounding, ceilings, levels);
     return levels;
   }
 
@@ -218,8 +244,8 @@ class Prediction {
     return 0;
   }
   bool is_silent(double ceiling) const {
-    return std::ranges::any_of(
-        layouts_, [&](const array::Layout& layout) { return !array::BoardPlay(layout).sounds_at(ceiling); });
+    return std::ranges::any_of(soundings_,
+                               [&](const Sounding& one) { return !array::BoardPlay(one.layout).sounds_at(ceiling); });
   }
 
  private:
@@ -228,26 +254,24 @@ class Prediction {
     const double step = std::min(1e-3, std::pow(10, std::floor(std::log10(ceiling)) - 1));
     return std::floor(ceiling / step + 1e-9) * step;
   }
-  void add(const array::Layout& layout, std::span<const double> ceilings, std::vector<EarLevel>& levels) const;
+  void add(const Sounding& sounding, std::span<const double> ceilings, std::vector<EarLevel>& levels) const;
   void add_tried(const array::Layout& layout, bool equal, std::span<const std::complex<double>> pressures,
                  EarLevel& level) const;
 
   const StudyPlan& plan_;
-  std::vector<array::Layout> layouts_;
-  bool asks_;
+  std::vector<Sounding> soundings_;
   std::vector<Vec3> places_;
   std::size_t per_ear_;
   std::vector<FocusSet> sets_;
 };
 
-void Prediction::add(const array::Layout& layout, std::span<const double> ceilings,
-                     std::vector<EarLevel>& levels) const {
+void Prediction::add(const Sounding& sounding, std::span<const double> ceilings, std::vector<EarLevel>& levels) const {
+  const auto& [layout, equal, solver] = sounding;
   const acoustics::Air air = acoustics::air_of({}, layout.frequency_hz);
-  const bool on_off = !std::ranges::all_of(layout.boards, has_amplitudes);
-  const bool equal = asks_ || on_off;
-  const array::DriveOptions options{.constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
+  const array::DriveOptions options{.weighting = equal ? array::Weighting::uniform : array::Weighting::distance,
+                                    .constraint = equal ? array::Constraint::uniform : array::Constraint::normalise,
                                     .medium = air.medium,
-                                    .solver = array::Solver::gs_pat,
+                                    .solver = solver,
                                     .directivity = directivity_kind};
   const acoustics::Incident incident(layout, air, directivity_kind);
   acoustics::Waves waves;
@@ -329,7 +353,7 @@ namespace {
 bool request_sounds(const array::Layout& layout, const array::BoardPlay& boards, double ceiling, double gain,
                     double pressure_pa, double& amplitude) {
   array::SlotFocus focus{};
-  array::Drive drive = array::drive_for(layout, {&focus, 1});
+  array::Drive drive = array::drive_for(layout, {&focus, 1}, {.weighting = layout.amplitude_law});
   const double full_pa = std::abs(acoustics::pressure_at(layout, drive, focus.position));
   amplitude = ceiling * std::min(1.0, pressure_pa * gain / full_pa);
   focus.pressure_pa = focus.most_pa = pressure_pa * gain;

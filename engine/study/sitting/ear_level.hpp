@@ -56,11 +56,11 @@ inline constexpr double impossible_reading_db = 20;
 /// Computes on the processor: a second for the paper's array. Without `placed`, an array as posed in the world that all
 /// methods use, arrays have the pose that they have without a rig. Throws as array::load_layout does.
 ///
-/// A study plays with Constraint::normalise, so the drives are those of gs_pat with that constraint: the loudest have
-/// one focus. Two things make all amplitudes equal, which is 3 to 5 dB louder: a model that asks for a pressure, and
-/// boards without amplitudes. Then all transducers are at the ceiling. Boards play the amplitudes that they have
-/// (array/layouts/board_play.hpp). A reading at another ceiling counts with the difference of the two predictions.
-/// `full_db`: if it is given, gets what counts at the louder ear at a ceiling of 1.
+/// The drives are those of gs_pat, or of the solver that a method names, with all amplitudes at the ceiling. They are
+/// unequal, and 3 to 5 dB quieter, only with amplitudes by distance (those of `paper`, or named by the method) and the
+/// constraint `normalise`, if no model asks for a pressure and boards have amplitudes. Boards play the amplitudes that
+/// they have (array/layouts/board_play.hpp). A reading at another ceiling counts with the difference of the two
+/// predictions. `full_db`: if it is given, gets what counts at the louder ear at a ceiling of 1.
 EarLevel predict_ear_level(const StudyPlan& plan, std::span<const Box> objects, const array::Layout* placed = nullptr,
                            double* full_db = nullptr);
 

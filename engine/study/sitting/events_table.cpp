@@ -239,6 +239,9 @@ std::string stimuli_json(const StudyPlan& plan, std::span<const Step> steps, std
         .member("layout", without_folders(entry.stimulus && !entry.stimulus->layout.empty() ? entry.stimulus->layout
                                                                                             : method.layout));
     if (method.stride) json.member("stride", *method.stride);
+    if (method.amplitude) json.member("amplitude", word_of(array::weighting_words, *method.amplitude));
+    if (method.solver) json.member("solver", word_of(array::solver_words, *method.solver));
+    if (method.constraint) json.member("constraint", word_of(array::constraint_words, *method.constraint));
     if (entry.stimulus) {
       json.member("ceiling", entry.stimulus->ceiling);
       if (!entry.stimulus->model_sha256.empty()) json.member("model_sha256", entry.stimulus->model_sha256);

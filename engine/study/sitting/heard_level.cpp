@@ -64,7 +64,10 @@ acoustics::EarLevel level_of(const PlanMethod& method, const StudyPlan& plan, st
     centre += transducer.position / static_cast<double>(layout.transducers.size());
   ear.distance_m =
       std::max(0.1, std::min(glm::distance(centre, plan.level.ears[0]), glm::distance(centre, plan.level.ears[1])));
-  const array::DriveOptions options{.medium = ear.air.medium, .solver = array::Solver::gs_pat};
+  const array::DriveOptions options{.weighting = method.amplitude.value_or(layout.amplitude_law),
+                                    .constraint = method.constraint.value_or(array::Constraint::uniform),
+                                    .medium = ear.air.medium,
+                                    .solver = method.solver.value_or(array::Solver::gs_pat)};
   const array::BoardPlay boards(layout);
   array::Drive drives;
   std::vector<array::SlotFocus> foci;

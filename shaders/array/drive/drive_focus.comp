@@ -23,7 +23,7 @@ void main() {
     const bool sounds = slot.count == 1u;
     // A silent slot has no focus; any entry will do, and the buffer has at least one.
     const DriveFocus focus = focus_at(sounds ? slot.first : 0u);
-    const bool even = push.weighting != drive_by_distance || push.constraint == drive_uniform || focus.coarse.w == 0.0;
+    const bool even = push.weighting != drive_by_distance || focus.coarse.w == 0.0;
     const uint base = s * push.transducers;
     for (uint k = 0u; k < drive_each; ++k) {
       const uint t = begin + k * drive_group;
