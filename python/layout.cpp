@@ -234,10 +234,12 @@ std::shared_ptr<FieldObject> field(const LayoutPtr& self, const py::object& driv
   PlacesObject places = places_of("where", where);
   setup::check(o.task.spread, o.task.drive.medium);
   const acoustics::Air air = setup::air(o.task.drive.medium, o.task.air);
+  std::optional<array::DrivenBy> by;
+  if (py::isinstance<DriveObject>(drive)) by = drive.cast<const DriveObject&>().result.by;
   return on_device(o.common, [&](const gpu::Device* device) {
     auto made = owned(FieldObject{
         setup::sum_field(self->layout, driven, std::move(places.places), air, o.task.drive.directivity, device)});
-    if (py::isinstance<DriveObject>(drive)) made->result.by = drive.cast<const DriveObject&>().result.by;
+    made->result.by = by;
     if (!o.task.spread.text.empty()) {
       made->result.spread = setup::spread_of_field(o.task, self->layout, driven, made->result.places.points,
                                                    setup::draws_of(o.task.spread, o.common.seed), device);

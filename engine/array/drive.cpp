@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <iterator>
@@ -19,6 +20,7 @@
 #include "array/solvers/eigenvalue.hpp"
 #include "array/solvers/greedy.hpp"
 #include "array/solvers/gs_pat.hpp"
+#include "array/solvers/hearing.hpp"
 #include "array/solvers/loud_phases.hpp"
 #include "base/error.hpp"
 
@@ -27,6 +29,7 @@ namespace palpa::array {
 struct DriveScratch::Parts {
   std::vector<FocusSource> sources;
   std::vector<std::complex<double>> sums;  ///< one per transducer
+  std::vector<std::complex<double>> even;  ///< the same of a solver that evens out
   std::vector<FocusWeight> weights;
   std::vector<double> gains;
   std::vector<std::uint8_t> phases;
@@ -133,19 +136,51 @@ void find_weights(Scratch& scratch, Factors factors_for) {
     weight.plain = weight.heard;
 }
 
+/// Whether a drive's loudness may depend on its own gains.
+bool may_be_plain(const DriveOptions& options, std::span<const double> gains) {
+  return options.gains_stay || std::ranges::all_of(gains, [](double gain) { return gain == 1; });
+}
+
+/// Whether some foci of `scratch.columns` hear this share of each other. A device judges it in the same way.
+bool are_near(Scratch& scratch, double share) {
+  take_part(scratch.columns, loud_ears, scratch.ears);
+  return are_near(scratch.ears, share, scratch.matrix);
+}
+
+/// The weakest focus, relative to its gain, if the largest of these sums is played with amplitude 1.
+double weakest_of_sums(std::span<const Complex> sums, const Scratch& scratch) {
+  const Columns& columns = scratch.columns;
+  std::array<Complex, most_solved_foci> pressure{};
+  for (std::size_t t = 0; t < columns.transducers; ++t) {
+    for (std::size_t j = 0; j < columns.foci; ++j)
+      pressure[j] += columns.transfer(t * columns.foci + j) * sums[t];
+  }
+  const double weakest = weakest_of(scratch.gains, [&](std::size_t j) { return magnitude(pressure[j]); });
+  const double largest = largest_of(sums);
+  return largest > 0 ? weakest / largest : 0;
+}
+
+/// Under `normalise`, foci that the array does not resolve cost each other amplitude when they are evened out. Returns
+/// to the sums of the paper's q_j where all foci are louder with them.
+double keep_louder(double largest, Scratch& scratch) {
+  const double even = weakest_of_sums(scratch.sums, scratch);
+  scratch.even.assign(scratch.sums.begin(), scratch.sums.end());
+  for (std::size_t j = 0; j < scratch.columns.foci; ++j)
+    scratch.weights[j] = {.plain = scratch.gains[j], .heard = scratch.gains[j]};
+  const double plain = sum_columns(scratch);
+  if (weakest_of_sums(scratch.sums, scratch) > even) return plain;
+  std::ranges::copy(scratch.even, scratch.sums.begin());
+  return largest;
+}
+
 /// The same with the factors of the solver, from `scratch.columns`.
 double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   const Columns& columns = scratch.columns;
   scratch.weights.resize(columns.foci);
   scratch.sums.resize(columns.transducers);
   if (is_gs_pat(options.solver)) {
-    const bool equal = std::ranges::all_of(scratch.gains, [](double gain) { return gain == 1; });
-    const LoudEfforts* const effort = loud_effort(
-        {care_of(options.solver), options.constraint, equal || options.gains_stay, columns.foci, columns.transducers},
-        [&](double share) {
-          take_part(columns, loud_ears, scratch.ears);
-          return are_near(scratch.ears, share, scratch.matrix);
-        });
+    const LoudEfforts* const effort = loud_effort(care_of(options.solver), options.constraint, columns.foci,
+                                                  columns.transducers, [&] { return are_near(scratch, loud_near); });
     if (effort) {
       loud_phases(columns, scratch.gains, options.constraint, *effort, scratch.sums, scratch.loud);
       return 1;
@@ -166,6 +201,9 @@ double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   }
   gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
   const double largest = sum_columns(scratch);
+  if (options.constraint == Constraint::normalise && may_be_plain(options, scratch.gains) &&
+      are_near(scratch, gs_pat_crowded))
+    return keep_louder(largest, scratch);
   gs_pat_turn(columns, options.constraint, scratch.sums, scratch.gs_pat);
   return largest;
 }
@@ -351,6 +389,7 @@ void reserve(DriveScratch& memory, const Layout& layout, const DriveOptions& opt
   scratch.sources.reserve(most_foci);
   scratch.foci.reserve(most_foci);
   scratch.sums.reserve(transducers);
+  scratch.even.reserve(transducers);
   scratch.phases.reserve(transducers);
   scratch.weights.reserve(most_foci);
   Columns& columns = scratch.columns;

@@ -157,8 +157,8 @@ bool DriveMemory::may_seek() const {
   return is_gs_pat(options_.solver) && is_solved(options_, 2, batch_.transducers);
 }
 
-/// Whether the host computes the slot because its phases are sought, or because `normalise` depends on its own gains:
-/// the kernels know neither.
+/// Whether the host computes the slot: because its phases are sought, or because under `normalise` its loudness depends
+/// on its own gains, or may be that of other sums (drive.cpp). The kernels know none of it.
 bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
   if (!may_seek() && !options_.gains_stay) return false;
   ears_sources_.clear();
@@ -168,14 +168,17 @@ bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
   }
   const bool equal = std::ranges::all_of(
       ears_sources_, [&](const FocusSource& source) { return source.gain == ears_sources_.front().gain; });
-  if (!equal && options_.gains_stay && options_.constraint == Constraint::normalise) return true;
+  const bool normalises = options_.constraint == Constraint::normalise;
+  if (!equal && options_.gains_stay && normalises) return true;
   if (!may_seek() || !is_solved(options_, count, batch_.transducers)) return false;
-  return loud_effort({care_of(options_.solver), options_.constraint, equal, count, batch_.transducers},
-                     [&](double share) {
-                       ears_field_.set(ears_, options_.medium, options_.directivity);
-                       ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
-                       return are_near(ears_columns_, share, ears_matrix_);
-                     }) != nullptr;
+  const auto near = [&](double share) {
+    ears_field_.set(ears_, options_.medium, options_.directivity);
+    ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
+    return are_near(ears_columns_, share, ears_matrix_);
+  };
+  if (normalises) return equal && near(gs_pat_crowded);
+  return loud_effort(care_of(options_.solver), options_.constraint, count, batch_.transducers,
+                     [&] { return near(loud_near); }) != nullptr;
 }
 
 void DriveMemory::clear() {

@@ -100,7 +100,7 @@ struct Loaded {
 /// boards have, relative to that of the ideal drive at full amplitude.
 double played_part(const array::Layout& layout, double ceiling) {
   const array::SlotFocus focus{};
-  array::Drive drive = array::drive_for(layout, {&focus, 1});
+  array::Drive drive = array::drive_for(layout, {&focus, 1}, {.weighting = layout.amplitude_law});
   const double full_pa = std::abs(acoustics::pressure_at(layout, drive, focus.position));
   for (array::TransducerDrive& transducer : drive)
     transducer.amplitude *= static_cast<float>(ceiling);

@@ -39,6 +39,9 @@ CacheKey key_of(const ResponseSource& source, const ObservedMethod& observed) {
   hash.add(m.dwell_s);
   hash.add(m.modulation_hz);
   hash.add(m.delta_m);
+  hash.add(static_cast<std::uint32_t>(m.amplitude.value_or(observed.layout->amplitude_law)));
+  hash.add(m.solver ? static_cast<std::uint32_t>(*m.solver) + 1 : 0U);
+  hash.add(m.constraint ? static_cast<std::uint32_t>(*m.constraint) + 1 : 0U);
   for (const array::Transducer& transducer : observed.layout->transducers) {
     hash.add(transducer.position);
     hash.add(transducer.axis);

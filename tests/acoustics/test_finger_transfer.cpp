@@ -123,7 +123,7 @@ TEST(FingerTransfer, DrivesForTheFingerAreTheLoudest) {
   FingerTransfer finger(ball(), layout, air, array::Directivity::t4010a1);
   const std::vector<Vec3> foci{{0, -7.5e-3, 0}, {2e-3, -7e-3, 1e-3}, {-6e-3, -2e-3, 3e-3}};
   finger.aim(foci);
-  array::DriveOptions free_air{.constraint = array::Constraint::uniform}, on_finger = free_air;
+  array::DriveOptions free_air{.weighting = array::Weighting::uniform}, on_finger = free_air;
   on_finger.transfer = &finger;
   double most = 0;
   for (const Vec3& focus : foci) {

@@ -53,7 +53,7 @@ TEST(FocusShape, AFlatArraysIsAsMeasured) {
   layout.source_level_pa_m = 3.4;
   layout.transducer_radius_m = 4.5e-3;
   DriveOptions full;
-  full.constraint = Constraint::uniform;
+  full.weighting = array::Weighting::uniform;
   const Vec3 focus(0, 0, 0.2);
   const double fwhm = width(layout, full, focus, Directivity::piston, {1, 0, 0});
   EXPECT_GT(fwhm, 12.3e-3);

@@ -122,8 +122,8 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
       {"\nunit = [3]", "line 2: unit must be a list of tables: [[unit]]"},
       {"[unit]\n", "line 1: unit must be a list of tables: [[unit]]"},
       {"name = \"x\"\ncolour = 1\n",
-       "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, frequency_hz, "
-       "unit, transducer"},
+       "line 2: unknown key colour in a layout; known: name, source_level_pa_m, transducer_radius_m, amplitude_law, "
+       "frequency_hz, unit, transducer"},
       {unit("type = \"autd4\""), boards},
       {unit("type = \"paper\""), boards},
       {unit("type = 3"), "line 2: type must be a text in quotes, not empty"},
@@ -137,6 +137,7 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
       {transducer("[0, 0, 1]") + "x = 1\n", "line 4: unknown key x in [[transducer]]; known: position_m, axis"},
       {"source_level_pa_m = 0\n",
        "line 1: source_level_pa_m is 0; it must be above 0 and at most 10000 Pa m, such as 4.386"},
+      {"amplitude_law = \"loud\"\n", "line 1: amplitude_law is loud; it must be distance or uniform"},
       {"transducer_radius_m = -1\n",
        "line 1: transducer_radius_m is -1; it must be above 0 and at most 0.1 m, such as 0.0045"},
       {"frequency_hz = 40\n", "line 1: frequency_hz is 40, expected 1000 to 10000000"},
@@ -152,6 +153,14 @@ TEST(LayoutToml, FaultsNameLineAndKey) {
   EXPECT_TRUE(fault_of("name = \"x\"\nunit = [[\n").starts_with("line ")) << "whatever the parser calls it";
   EXPECT_TRUE(fault_of("\x01").starts_with("line 1: "));
   EXPECT_TRUE(fault_of("name = \"x\"\n\"\\u0001\\nb\" = 1").starts_with("line 2: unknown key \\x01\\nb in a layout"));
+}
+
+TEST(LayoutToml, ALayoutHasALawOfAmplitudes) {
+  const std::string rest = unit("type = \"openmpd\"");
+  EXPECT_EQ(parse_layout_toml(rest, "a.toml").amplitude_law, Weighting::uniform);
+  EXPECT_EQ(parse_layout_toml("amplitude_law = \"distance\"\n" + rest, "a.toml").amplitude_law, Weighting::distance);
+  for (const std::string& name : layout_names())
+    EXPECT_EQ(load_layout(name).amplitude_law, name == "paper" ? Weighting::distance : Weighting::uniform) << name;
 }
 
 std::string transducers(std::size_t count) {

@@ -145,6 +145,7 @@ TEST(Loudest, NoQuieterThanThePeers) {
     const Layout layout = load_layout(name);
     for (const Solver solver : {Solver::gs_pat, Solver::loudest}) {
       DriveOptions options = in_full(solver);
+      options.weighting = layout.amplitude_law;
       options.medium.sound_speed = 343;
       options.directivity = name == "openmpd" ? Directivity::piston : Directivity::t4010a1;
       const std::vector<SlotFocus>& foci = sets.at({count, set});

@@ -164,7 +164,7 @@ TEST(Help, SaysDefaultsAndWhereTheWordsAreExplained) {
       "--stride N step between consecutive foci; must be coprime with --foci [default: nearest to 0.3 of the foci]");
   EXPECT_NE(row(all, "--method").find(": cross-section|single-focus|"), std::string::npos) << row(all, "--method");
   EXPECT_TRUE(row(all, "--method").ends_with("[default: cross-section]"));
-  EXPECT_TRUE(row(all, "--constraint").ends_with("[default: normalise]"));
+  EXPECT_TRUE(row(all, "--constraint").ends_with("[default: uniform]"));
   EXPECT_TRUE(row(shared, "--log-level").ends_with("[default: warning]"));
   EXPECT_TRUE(row(shared, "--backend").ends_with("auto|gpu|cpu [default: auto]"));
 }

@@ -64,9 +64,9 @@ TEST(CliPressure, ATouchTellsWhatAnArrayGivesAtItsFociAndNoneOfAnEmptySector) {
   EXPECT_FALSE(report_of(cube_touch({}))["fingers"][0].contains("pressure_pa"));
   const array::Layout layout = posed("openmpd");
   // A pyramid's point in a fingertip: half of the narrow sectors have no contacts.
-  const json touched =
-      report_of({"touch", "--scene", asset_file("pyramid.glb"), "--points", asset_file("finger.ply"), "--penetration",
-                 "3mm", "--backend", "cpu", "--layout", "openmpd", "--foci", "40", "--min-points", "1"});
+  const json touched = report_of({"touch", "--scene", asset_file("pyramid.glb"), "--points", asset_file("finger.ply"),
+                                  "--penetration", "3mm", "--backend", "cpu", "--layout", "openmpd", "--amplitude",
+                                  "distance", "--foci", "40", "--min-points", "1"});
   ASSERT_EQ(touched["fingers"].size(), 1u);
   const json &foci = touched["fingers"][0]["foci_m"], &pressures = touched["fingers"][0]["pressures_pa"];
   ASSERT_EQ(pressures.size(), 40u);

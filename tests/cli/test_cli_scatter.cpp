@@ -80,7 +80,7 @@ Scattered scatter(const std::string& mesh, const std::vector<std::string>& sound
 /// The file of an array's drive to a focus.
 std::string drive_to(const std::string& layout, const std::string& focus) {
   const std::string file = folder() / (layout + ".csv");
-  write_text(file, drive_here({"--layout", layout, "--focus", focus}).table);
+  write_text(file, drive_here({"--layout", layout, "--amplitude", "distance", "--focus", focus}).table);
   return file;
 }
 

@@ -224,13 +224,18 @@ TEST_F(CliStudy, ListsAParticipantsSteps) {
 /// What a microphone read replaces the prediction.
 TEST_F(CliStudy, SaysHowLoudItIsAtAnEar) {
   const std::vector<std::string> line{"study", "level", path("plan.toml")};
-  const std::string limit = "layout = \"openmpd\"\n[level]\nceiling = 0.05\nlimit_db = ", at_120_db = limit + "120\n";
+  const std::string limit =
+                        "layout = \"openmpd\"\namplitude = \"distance\"\nconstraint = \"normalise\"\n[level]\nceiling "
+                        "= 0.05\nlimit_db = ",
+                    at_120_db = limit + "120\n";
   write_plan("palpa:semi-sphere.glb", at_120_db);
   const json predicted = report_of(line);
   EXPECT_EQ(predicted["level_db"], std::max(predicted["left_db"], predicted["right_db"]));
   EXPECT_GT(predicted["bound_db"], predicted["level_db"]);
   EXPECT_FALSE(predicted.contains("measured_db"));
-  write_plan("palpa:semi-sphere.glb", "layout = \"openmpd\"\n[level]\nceiling = 0.025\nlimit_db = 120\n");
+  write_plan("palpa:semi-sphere.glb",
+             "layout = \"openmpd\"\namplitude = \"distance\"\nconstraint = \"normalise\"\n[level]\nceiling = "
+             "0.025\nlimit_db = 120\n");
   const double quieter_db = predicted["level_db"].get<double>() - report_of(line)["level_db"].get<double>();
   EXPECT_NEAR(quieter_db, 20 * std::log10(2.0), 0.5) << "the first two steps of the board";
   // What the air makes of it follows the square of amplitudes. The whole of it is 40 dB above a tenth.

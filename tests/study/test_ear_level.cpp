@@ -150,8 +150,21 @@ TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
   const EarLevel& usual = full_level();
   EXPECT_EQ(usual.foci.size(), 1u) << "normalised, single foci are the loudest";
   EXPECT_FALSE(usual.full_amplitude);
+  const auto unnamed_in = [](StudyPlan names) {
+    for (PlanMethod& method : names.methods) {
+      method.amplitude.reset();
+      method.solver.reset();
+      method.constraint.reset();
+    }
+    return names;
+  };
+  const StudyPlan as_usual = unnamed_in(plan);
+  const EarLevel unnamed = level_of(as_usual);
+  EXPECT_TRUE(unnamed.full_amplitude) << "palpa's own defaults";
+  plan = as_usual;
   plan.shapes[1].asks_pressure = true;
   const EarLevel asking = level_of(plan);
+  EXPECT_EQ(unnamed.predicted_db(), asking.predicted_db());
   EXPECT_TRUE(asking.full_amplitude);
   EXPECT_GT(asking.foci.size(), 1u);
   EXPECT_NEAR(usual.predicted_db(), 136.7 + untried_db, 0.1);
@@ -159,7 +172,7 @@ TEST(EarLevel, CountsSeveralFociWithEqualAmplitudesIfThePlanCanPlayThem) {
   EXPECT_NEAR(asking.bound_db, usual.bound_db, 1e-9);
   EXPECT_GT(asking.bound_db, asking.predicted_db());
   // Boards without amplitudes: a quarter of the transducers sounds at full amplitude.
-  StudyPlan on_off = plan_on(test::on_off_board());
+  StudyPlan on_off = unnamed_in(plan_on(test::on_off_board()));
   on_off.level.ears = plan.level.ears;
   const double full_db = level_of(on_off).predicted_db();
   EXPECT_NEAR(full_db, asking.predicted_db(), 0.5) << "the same places";

@@ -89,7 +89,7 @@ inline void write_small_plan(const std::filesystem::path& file, const std::strin
                        "[[candidate]]\nname = \"slow\"\nmethod = \"cross-section\"\nlayout = \"openmpd\"\nfoci = 4\n"
                        "dwell_ms = 2\n"
                        "[study]\nparticipants = 3\ntrials_per_shape = 5\ntouch_s = 2\n"
-                       "[observer]\ndepths_mm = [1]\nplacements = 3\nlateral_mm = 0.05\nyaw_deg = 0.5\n"
+                       "[observer]\ndepths_mm = [0.8]\nplacements = 3\nlateral_mm = 0.05\nyaw_deg = 0.5\n"
                        "[fit]\nmethod = \"single-focus\"\naccuracy = 0.6\ntrials = 30\n");
 }
 

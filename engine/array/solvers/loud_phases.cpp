@@ -418,10 +418,10 @@ class Loud {
   LoudScratch& s_;
 };
 
-/// The magnitudes of the drive under `clamp` and `normalise`: those of the sums of the foci's q_j, at most 1. Under
-/// `clamp`, they are gs_pat_fill times as large as those of foci that do not hear each other, else the largest is 1.
-void sum_sizes(const Columns& columns, std::span<const double> gains, std::span<const double> alone,
-               Constraint constraint, std::span<const Complex> factors, std::vector<double>& sizes, LaneDrives& drive) {
+/// The magnitudes of the drive under `clamp`: those of the sums of the foci's q_j, which are gs_pat_fill times as large
+/// as those of foci that do not hear each other, at most 1.
+void clamp_sizes(const Columns& columns, std::span<const double> gains, std::span<const double> alone,
+                 std::span<const Complex> factors, std::vector<double>& sizes, LaneDrives& drive) {
   const std::size_t foci = columns.foci, transducers = columns.transducers;
   std::array<double, most_loud_foci> re, im, squares{};
   for (std::size_t j = 0; j < foci; ++j) {
@@ -429,7 +429,7 @@ void sum_sizes(const Columns& columns, std::span<const double> gains, std::span<
     im[j] = factors[j].imag() * alone[j];
   }
   sizes.resize(transducers);
-  double power = 0, largest = 0;
+  double power = 0;
   for (std::size_t n = 0; n < transducers; ++n) {
     double x = 0, y = 0;
     for (std::size_t j = 0; j < foci; ++j) {
@@ -442,13 +442,11 @@ void sum_sizes(const Columns& columns, std::span<const double> gains, std::span<
     }
     sizes[n] = std::sqrt(x * x + y * y);
     power += x * x + y * y;
-    largest = std::max(largest, sizes[n]);
   }
   double wanted = 0;
   for (std::size_t j = 0; j < foci; ++j)
     wanted += gains[j] * gains[j] * squares[j];
-  const double fill = power > 0 ? gs_pat_fill * std::sqrt(wanted / power) : 1;
-  const double by = constraint == Constraint::clamp || !(largest > 0) ? fill : 1 / largest;
+  const double by = power > 0 ? gs_pat_fill * std::sqrt(wanted / power) : 1;
   for (std::size_t n = 0; n < transducers; ++n) {
     const auto size = static_cast<float>(std::min(1.0, by * sizes[n]));
     drive.re[n] *= size;
@@ -522,8 +520,8 @@ void loud_phases(const Columns& columns, std::span<const double> gains, Constrai
   assert(columns.foci >= 2 && columns.foci <= most_loud_foci && gains.size() == columns.foci);
   Loud loud(columns, gains, efforts, scratch);
   loud.find();
-  if (constraint != Constraint::uniform)
-    sum_sizes(columns, gains, scratch.alone, constraint, scratch.best, scratch.sizes, scratch.best_drive);
+  if (constraint == Constraint::clamp)
+    clamp_sizes(columns, gains, scratch.alone, scratch.best, scratch.sizes, scratch.best_drive);
   loud.finish();
   for (std::size_t n = 0; n < sums.size(); ++n) {
     const double x = static_cast<double>(scratch.best_drive.re[n]), y = static_cast<double>(scratch.best_drive.im[n]);

@@ -1,6 +1,5 @@
-// Loud phases: the drive whose weakest focus is as loud as possible when amplitudes are given, so that only phases
-// matter. This is what gs-pat and `loudest` do: under `uniform` and `clamp`, and under `normalise` for foci that the
-// array does not resolve, whose loudness costs less than their evenness.
+// Loud phases: the drive whose weakest focus is as loud as possible when amplitudes are bounded, so that only phases
+// matter. Under `uniform` and `clamp`, this is what gs-pat and `loudest` do.
 //
 //   G        the pressure at focus j from transducer n at full amplitude
 //   R        G G^H, as many rows as foci
@@ -27,7 +26,6 @@
 #include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/solvers/climb.hpp"
-#include "array/solvers/gs_pat.hpp"
 
 namespace palpa::array {
 
@@ -70,24 +68,14 @@ inline constexpr std::size_t loud_ears = 128;    ///< as this many transducers j
 /// Whether some foci hear this share of each other. `part` has the columns of loud_ears transducers (take_part).
 bool are_near(const Columns& part, double share, FocusMatrix& scratch);
 
-/// What the effort for a slot depends on.
-struct LoudSlot {
-  Care care = Care::usual;
-  Constraint constraint{};
-  bool alone = true;  ///< its gains are equal, or no other drive has others: loudness may depend on them
-  std::size_t foci = 0, transducers = 0;
-};
-/// The effort for a slot; null: gs_pat.hpp solves it. `near(share)` tells whether foci are near each other (are_near).
+/// The effort for a slot of this many foci; null: gs_pat.hpp solves it. `near()` tells whether foci hear loud_near of
+/// each other (are_near).
 template <typename Near>
-const LoudEfforts* loud_effort(const LoudSlot& slot, Near near) {
-  if (slot.foci < 2 || slot.foci > most_loud_foci) return nullptr;
-  if (slot.constraint == Constraint::normalise) {
-    if (!slot.alone || !near(gs_pat_crowded)) return nullptr;
-  } else if (slot.care != Care::most && slot.transducers > loud_board && !near(loud_near)) {
-    return nullptr;
-  }
-  if (slot.care == Care::most) return &loudest_of_all;
-  return slot.foci <= loud_few ? &few_loud : &many_loud;
+const LoudEfforts* loud_effort(Care care, Constraint constraint, std::size_t foci, std::size_t transducers, Near near) {
+  if (constraint == Constraint::normalise || foci < 2 || foci > most_loud_foci) return nullptr;
+  if (care == Care::most) return &loudest_of_all;
+  if (transducers > loud_board && !near()) return nullptr;
+  return foci <= loud_few ? &few_loud : &many_loud;
 }
 
 /// Fills `part` with the columns of up to `count` transducers that are spread over the array. spread_over: the same
@@ -113,7 +101,7 @@ struct LoudScratch {
 void reserve(LoudScratch& scratch, std::size_t transducers, std::size_t foci);
 
 /// Fills `sums` with the drive, magnitudes 0 to 1. `gains` are relative to the largest, 0..1, one per focus; 2 to
-/// most_loud_foci foci. Under `normalise`, the largest magnitude is 1.
+/// most_loud_foci foci. `constraint` is `uniform` or `clamp`.
 void loud_phases(const Columns& columns, std::span<const double> gains, Constraint constraint,
                  const LoudEfforts& efforts, std::span<std::complex<double>> sums, LoudScratch& scratch);
 

@@ -157,8 +157,9 @@ std::vector<ReviewedLine> of_export() {
        .tried_as = "export --played SCRATCH/played.json --drives OUT/drives.bin",
        .effective = {{"", {"--rig SCRATCH/rig.toml"}},
                      {"--layout openmpd",
-                      {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms", "--amplitude uniform",
-                       "--constraint clamp", "--solver greedy", "--temperature 25", "--sound-speed 350m/s"}},
+                      {"--layout autd3", "--hold 20ms", "--ceiling 0.5", "--ramp 5ms", "--constraint clamp",
+                       "--solver greedy", "--temperature 25", "--sound-speed 350m/s"}},
+                     {"--layout openmpd --constraint normalise", {"--amplitude distance"}},
                      {"--layout SCRATCH/bare.toml", {"--frequency 41kHz"}},
                      {"--layout openmpd --solver greedy", {"--directivity omni"}}}}};
 }

@@ -36,7 +36,7 @@ TEST_F(References, EveryPictureIsAsEver) {
   };
   for (const Case& one : std::vector<Case>{
            {"touch", "semi-sphere.glb", finger, {"--slot", "2"}},
-           {"array", "pyramid.glb", finger, {"--layout", "openmpd", "--dark"}},
+           {"array", "pyramid.glb", finger, {"--layout", "openmpd", "--amplitude", "distance", "--dark"}},
            {"section", "cube.glb", finger, {"--frame", "touch", "--show", "sections"}},
            {"afferents", "cube.glb", ball, {"--layout", "autd3", "--heat", "PC", "--eye", "-0.02,-0.05,0.05"}},
        }) {
