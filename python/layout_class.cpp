@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/layouts/builtin_layouts.hpp"
 #include "base/error.hpp"
 #include "base/files/output_file.hpp"

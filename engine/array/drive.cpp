@@ -141,10 +141,10 @@ bool may_be_plain(const DriveOptions& options, std::span<const double> gains) {
   return options.gains_stay || std::ranges::all_of(gains, [](double gain) { return gain == 1; });
 }
 
-/// Whether some foci of `scratch.columns` hear this share of each other. A device judges it in the same way.
-bool are_near(Scratch& scratch, double share) {
+/// A device judges it in the same way.
+bool are_near(Scratch& scratch) {
   take_part(scratch.columns, loud_ears, scratch.ears);
-  return are_near(scratch.ears, share, scratch.matrix);
+  return are_near(scratch.ears, scratch.matrix);
 }
 
 /// The weakest focus, relative to its gain, if the largest of these sums is played with amplitude 1.
@@ -160,8 +160,8 @@ double weakest_of_sums(std::span<const Complex> sums, const Scratch& scratch) {
   return largest > 0 ? weakest / largest : 0;
 }
 
-/// Under `normalise`, foci that the array does not resolve cost each other amplitude when they are evened out. Returns
-/// to the sums of the paper's q_j where all foci are louder with them.
+/// Under `normalise`, foci near each other cost each other amplitude when they are evened out. Returns to the sums of
+/// the paper's q_j where all foci are louder with them.
 double keep_louder(double largest, Scratch& scratch) {
   const double even = weakest_of_sums(scratch.sums, scratch);
   scratch.even.assign(scratch.sums.begin(), scratch.sums.end());
@@ -180,7 +180,7 @@ double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   scratch.sums.resize(columns.transducers);
   if (is_gs_pat(options.solver)) {
     const LoudEfforts* const effort = loud_effort(care_of(options.solver), options.constraint, columns.foci,
-                                                  columns.transducers, [&] { return are_near(scratch, loud_near); });
+                                                  columns.transducers, [&] { return are_near(scratch); });
     if (effort) {
       loud_phases(columns, scratch.gains, options.constraint, *effort, scratch.sums, scratch.loud);
       return 1;
@@ -201,8 +201,7 @@ double sum_weighted(const DriveOptions& options, Scratch& scratch) {
   }
   gs_pat(scratch.matrix, columns, scratch.gains, options.constraint, scratch.weights, scratch.gs_pat);
   const double largest = sum_columns(scratch);
-  if (options.constraint == Constraint::normalise && may_be_plain(options, scratch.gains) &&
-      are_near(scratch, gs_pat_crowded))
+  if (options.constraint == Constraint::normalise && may_be_plain(options, scratch.gains) && are_near(scratch))
     return keep_louder(largest, scratch);
   gs_pat_turn(columns, options.constraint, scratch.sums, scratch.gs_pat);
   return largest;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <optional>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/directivity.hpp"
 #include "array/medium.hpp"
 #include "base/math.hpp"

@@ -158,7 +158,7 @@ bool DriveMemory::may_seek() const {
 }
 
 /// Whether the host computes the slot: because its phases are sought, or because under `normalise` its loudness depends
-/// on its own gains, or may be that of other sums (drive.cpp). The kernels know none of it.
+/// on its own gains, or may be that of other sums (drive.cpp). The kernels cannot do either.
 bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
   if (!may_seek() && !options_.gains_stay) return false;
   ears_sources_.clear();
@@ -171,14 +171,13 @@ bool DriveMemory::seeks(std::span<const SlotFocus> foci, std::size_t count) {
   const bool normalises = options_.constraint == Constraint::normalise;
   if (!equal && options_.gains_stay && normalises) return true;
   if (!may_seek() || !is_solved(options_, count, batch_.transducers)) return false;
-  const auto near = [&](double share) {
+  const auto near = [&] {
     ears_field_.set(ears_, options_.medium, options_.directivity);
     ears_field_.fill(ears_sources_, options_.weighting, ears_columns_);
-    return are_near(ears_columns_, share, ears_matrix_);
+    return are_near(ears_columns_, ears_matrix_);
   };
-  if (normalises) return equal && near(gs_pat_crowded);
-  return loud_effort(care_of(options_.solver), options_.constraint, count, batch_.transducers,
-                     [&] { return near(loud_near); }) != nullptr;
+  if (normalises) return equal && near();
+  return loud_effort(care_of(options_.solver), options_.constraint, count, batch_.transducers, near) != nullptr;
 }
 
 void DriveMemory::clear() {

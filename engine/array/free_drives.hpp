@@ -6,7 +6,7 @@
 #include <complex>
 #include <span>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/medium.hpp"

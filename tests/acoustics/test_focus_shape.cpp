@@ -8,9 +8,9 @@
 
 #include "acoustics/field/focus_shape.hpp"
 #include "acoustics/field/incident.hpp"
+#include "array/amplitudes.hpp"
 #include "array/drive.hpp"
 #include "array/drive_options.hpp"
-#include "array/field/constraint.hpp"
 
 namespace palpa::acoustics {
 namespace {

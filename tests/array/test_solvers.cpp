@@ -107,7 +107,8 @@ TEST_P(SolverOn, FociOfAnyDistanceAreEvenAndLoudInTheTunnel) {
     for (const Constraint constraint : constraints) {
       const Served served = served_by(Solver::gs_pat, constraint), plain = served_by(Solver::naive, constraint);
       for (std::size_t s = 0; s < sets.size(); ++s) {
-        EXPECT_GE(served.weakest[s], (1 - 1e-5) * plain.weakest[s]) << s << " " << static_cast<int>(constraint);
+        const double of_plain = constraint == Constraint::normalise ? 1 - 1e-5 : 0.98;
+        EXPECT_GE(served.weakest[s], of_plain * plain.weakest[s]) << s << " " << static_cast<int>(constraint);
         // The plain sums take the place of the even ones only where they are louder.
         if (constraint == Constraint::normalise && served.weakest[s] <= (1 + 1e-5) * plain.weakest[s]) continue;
         EXPECT_GE(served.evenness[s], constraint == Constraint::normalise ? even : even_if_bounded)
@@ -129,7 +130,8 @@ TEST_P(SolverOn, FociOfAnyDistanceAreAsEvenAsGreedysOrLouderAboveABoard) {
       const Served served = serve(GetParam(), layout, sets, with(Solver::gs_pat, constraint));
       const Served plain = serve(GetParam(), layout, sets, with(Solver::naive, constraint));
       for (std::size_t s = 0; s < sets.size(); ++s) {
-        EXPECT_GE(served.weakest[s], (1 - 1e-5) * plain.weakest[s]) << name << " " << s;
+        const double of_plain = constraint == Constraint::normalise ? 1 - 1e-5 : 0.98;
+        EXPECT_GE(served.weakest[s], of_plain * plain.weakest[s]) << name << " " << s;
         // Where amplitudes are bounded, loudness comes first; so it does where the plain sums are louder.
         if (constraint == Constraint::normalise) {
           if (served.weakest[s] <= (1 + 1e-5) * plain.weakest[s]) continue;

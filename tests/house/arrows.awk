@@ -25,7 +25,7 @@ BEGIN {
 
   # The folders of a library, and the headers at its top that they know, lowest first: each may include the earlier ones.
   # "." is everything else at the library's top.
-  order("array", "transducer_drive medium layouts field drive_options solvers nulls pressures .")
+  order("array", "transducer_drive medium amplitudes layouts field drive_options solvers nulls pressures .")
   order("touch", "types stage_setting capacity pass_watch contacts points fingers methods .")
   order("acoustics", "air lanes field elements boundary compressed bodies felt .")
   order("geometry", "text haptics part_of symmetric seeded_hash mesh gltf_document gltf files parts surface .")

@@ -69,8 +69,8 @@ def acoustools_solver():
 
 
 def peers():
-    if importlib.util.find_spec("acoustools") is None:
-        print("skipped: AcousTools (pip install acoustools)", file=sys.stderr)
+    if any(importlib.util.find_spec(name) is None for name in ("acoustools", "torch")):
+        print("skipped: AcousTools (pip install acoustools torch)", file=sys.stderr)
         return {}
     return acoustools_solver()
 

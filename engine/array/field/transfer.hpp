@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "base/math.hpp"
 
 namespace palpa::array {

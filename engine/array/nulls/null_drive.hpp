@@ -23,7 +23,7 @@
 #include <span>
 #include <vector>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/split_rows.hpp"
 #include "array/field/transfer.hpp"
 #include "array/nulls/nulls.hpp"

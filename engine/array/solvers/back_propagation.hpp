@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/transfer.hpp"
 
 namespace palpa::array {

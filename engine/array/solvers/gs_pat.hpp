@@ -26,7 +26,7 @@
 #include <span>
 #include <vector>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/transfer.hpp"
 #include "array/solvers/even_out.hpp"
 #include "array/solvers/even_phases.hpp"

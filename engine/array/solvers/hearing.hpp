@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/transfer.hpp"
 
 namespace palpa::array {

@@ -456,9 +456,9 @@ void clamp_sizes(const Columns& columns, std::span<const double> gains, std::spa
 
 }  // namespace
 
-bool are_near(const Columns& part, double share, FocusMatrix& scratch) {
+bool are_near(const Columns& part, FocusMatrix& scratch) {
   multiply(part, scratch);
-  return some_hear(scratch, share);
+  return some_hear(scratch, loud_near);
 }
 
 void take_part(const Columns& columns, std::size_t count, Columns& part) {

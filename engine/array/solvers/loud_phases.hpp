@@ -22,7 +22,7 @@
 #include <span>
 #include <vector>
 
-#include "array/field/constraint.hpp"
+#include "array/amplitudes.hpp"
 #include "array/field/transfer.hpp"
 #include "array/layouts/layout.hpp"
 #include "array/solvers/climb.hpp"
@@ -65,11 +65,11 @@ inline constexpr std::size_t loud_board = 1024;  ///< transducers up to which ev
 inline constexpr double loud_near = 0.05;        ///< else from this share of each other's sound on,
 inline constexpr std::size_t loud_ears = 128;    ///< as this many transducers judge it
 
-/// Whether some foci hear this share of each other. `part` has the columns of loud_ears transducers (take_part).
-bool are_near(const Columns& part, double share, FocusMatrix& scratch);
+/// Whether some foci hear loud_near of each other. `part` has the columns of loud_ears transducers (take_part).
+bool are_near(const Columns& part, FocusMatrix& scratch);
 
-/// The effort for a slot of this many foci; null: gs_pat.hpp solves it. `near()` tells whether foci hear loud_near of
-/// each other (are_near).
+/// The effort for a slot of this many foci; null: gs_pat.hpp solves it. `near()` tells whether foci are near each other
+/// (are_near).
 template <typename Near>
 const LoudEfforts* loud_effort(Care care, Constraint constraint, std::size_t foci, std::size_t transducers, Near near) {
   if (constraint == Constraint::normalise || foci < 2 || foci > most_loud_foci) return nullptr;

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "array/amplitudes.hpp"
 #include "array/drive_options.hpp"
-#include "array/field/constraint.hpp"
 #include "touch/methods/method.hpp"
 
 namespace palpa::study {
