@@ -173,7 +173,7 @@ def test_how_many_participants(words, tmp_path, monkeypatch, capsys):
 
 def test_a_page_is_the_same_twice_and_asks_for_no_network(in_studies):
     made_once = []
-    for name in ("fingers", "many", "three_methods"):
+    for name in ("fingers", "three_methods"):
         in_studies(name)
         result = analysis.analyse(name)
         made_once = [pages.analysis_page(result).text() for _ in range(2)]

@@ -310,6 +310,7 @@ def test_a_report_of_ones_own_questions(rough, tmp_path, capsys):
     (threshold,) = json.loads((tmp_path / "b.json").read_text())["answers"]
     table = study.load(stairs)
     assert threshold["kind"] == "threshold" and len(threshold["groups"][0]["people"]) == 6
+    assert 3 < threshold["groups"][0]["threshold"] < 7 and (tmp_path / "b.html").read_text().count("<svg") == 1
     assert threshold["groups"][0]["threshold"] == pytest.approx(study.thresholds(table, "which")["groups"][0]["threshold"], rel=1e-9)
     first, again = (study.analysis_page(study.analyse(stairs)).text() for _ in range(2))
     assert first == again == (tmp_path / "b.html").read_text()

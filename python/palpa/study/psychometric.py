@@ -15,9 +15,9 @@ from .answers import answered, group_names
 from .statistics import bootstrap_interval, mean, t_interval
 
 LAPSE = 0.02  # the share of trials in which people press the wrong key, whatever they feel
-# The prior distributions, in standard deviations of the levels that were played.
-NEARNESS, WIDTH, FACTOR = 4.0, 0.39, math.exp(0.7)
-PLACES, WIDTHS, REACH, WIDEST = 121, 15, 6.0, (0.03, 6.0)
+# The prior distributions, in halves of the range of the levels that were played.
+NEARNESS, WIDTH, FACTOR = 2.0, 0.19, math.exp(0.7)
+PLACES, WIDTHS, REACH, WIDEST = 121, 15, 3.0, (0.015, 3.0)
 RESAMPLES = 500
 
 
@@ -31,7 +31,7 @@ class Grid:
 
     def __init__(self, levels, trials, chance, share, within=None):
         middle = float(np.average(levels, weights=trials))
-        spread = math.sqrt(float(np.average((levels - middle) ** 2, weights=trials)))
+        spread = float(levels[-1] - levels[0]) / 2
         low, high, narrow, wide = within or (middle - REACH * spread, middle + REACH * spread, *np.log(spread * np.array(WIDEST)))
         self.thresholds, self.widths = np.linspace(low, high, PLACES), np.exp(np.linspace(narrow, wide, WIDTHS))
         self.shift = float(special.logit((share - chance) / (1 - chance - LAPSE)))

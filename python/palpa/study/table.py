@@ -12,6 +12,7 @@ from .text import CODING, NOT_AVAILABLE, bad_input, cells_of, counted, lines_of,
 # What each row has, beside the answer of each question and its time, QUESTION and QUESTION_time.
 COLUMNS = ("participant", "run", "block", "trial", "condition", "method", "void", "played_share", "thinned_frames")
 WHOLE = ("participant", "run", "trial")
+TRUTHS = ("void", "correct")
 TRUTH = {"true": True, "false": False}
 KINDS = ("scale", "choice", "yes-no", "number", "text", "pair", "staircase")
 
@@ -63,15 +64,15 @@ def rows_of_table(file, left_out):
             fault = "the line has no end: the file is cut off here"
         elif len(cells) != len(header):
             fault = f"{counted(len(cells), 'cell')} where the first line has {len(header)}"
-        for column in () if fault else (*WHOLE, *numbers, "void"):
+        for column in () if fault else (*WHOLE, *numbers, *TRUTHS):
             cell = row.get(column)
             if cell is None:
                 if column in ("participant", "trial"):
                     fault = f"has no {column}"
                 continue
-            given = (whole_in(cell.removeprefix("sub-")) if column in WHOLE else TRUTH.get(cell.lower()) if column == "void" else number_in(cell))
+            given = (whole_in(cell.removeprefix("sub-")) if column in WHOLE else TRUTH.get(cell.lower()) if column in TRUTHS else number_in(cell))
             if given is None:
-                kind = "a whole number" if column in WHOLE else "true or false" if column == "void" else "a number"
+                kind = "a whole number" if column in WHOLE else "true or false" if column in TRUTHS else "a number"
                 fault = f"{column} '{printable(cell, 40)}' is not {kind}"
             row[column] = given
         if fault:
