@@ -66,17 +66,19 @@ def accuracy(result):
     people = list(dict.fromkeys(one["participant"] for one in result["participants"]))
     place = {number: i for i, number in enumerate(people)}
     axes = axes_of(min(9.0, 3 + 0.5 * len(people)), 3.4, xlabel="participant", ylabel="accuracy")
-    bar, at_mean = 0.8 / len(names), len(people) + 0.5
+    bar, wide = 0.8 / len(names), max(1.0, len(people) / 16)  # the bars of the means are wider if there are many people
+    at_mean = len(people) + wide / 2
     for m, method in enumerate(methods):
         shift = bar * (m - (len(names) - 1) / 2)
         of_method = [one for one in result["participants"] if one["method"] == method["name"]]
-        style = {"width": bar, "color": SERIES[m % len(SERIES)][0], "edgecolor": "#333", "linewidth": 0.5}
-        axes.bar([place[one["participant"]] + shift for one in of_method], [one["accuracy"] for one in of_method], label=words(method["name"]), **style)
+        style = {"color": SERIES[m % len(SERIES)][0], "edgecolor": "#333", "linewidth": 0.5 if len(people) < 40 else 0}
+        axes.bar([place[one["participant"]] + shift for one in of_method], [one["accuracy"] for one in of_method], width=bar,
+                 label=words(method["name"]), **style)
         average, spread = method["mean_accuracy"], method["deviation"]
         if not math.isfinite(average):
             continue
         ends = None if spread is None else [[min(spread, average)], [min(spread, 1 - average)]]
-        axes.bar([at_mean + shift], [average], yerr=ends, capsize=3, **style)
+        axes.bar([at_mean + wide * shift], [average], width=wide * bar, yerr=ends, capsize=3, **style)
     every = math.ceil(len(people) / 24)
     axes.set_xticks([*range(0, len(people), every), at_mean], [*map(str, people[::every]), "mean"])
     share_axis(axes)
@@ -186,12 +188,12 @@ def psychometric(fits, label):
         colour = SERIES[i % len(SERIES)][0]
         levels, trials, right = zip(*fit["levels"])
         axes.scatter(levels, [r / n for r, n in zip(right, trials)], s=[8 + 60 * n / max(trials) for n in trials], color=colour, edgecolor="#333",
-                     linewidth=0.5, marker=SERIES[i % len(SERIES)][2], label=words(name))
+                     linewidth=0.5, marker=SERIES[i % len(SERIES)][2], label=words(name), clip_on=False)
         low, high = min(levels), max(levels)
         curve = [low + (high - low) * k / 100 for k in range(101)]
         axes.plot(curve, [right_at(fit, level) for level in curve], **look(i) | {"marker": ""})
         if fit["threshold"] is not None:
-            axes.plot(fit["interval"], [fit["share"]] * 2, color=colour, linewidth=3, alpha=0.5)
+            axes.plot(fit["interval"], [fit["share"] - 0.012 * i] * 2, color=colour, linewidth=2)
     share_axis(axes)
     axes.axhline(next(iter(fits.values()))["chance"], color="#a00", linewidth=0.8)
     legend(axes, len(fits))
