@@ -198,6 +198,54 @@ def test_a_program_of_ones_own(in_studies):
     assert command.main(["analyse", "paper", "--script", "mine.py", "--quiet"]) == 2, "it may have been changed"
 
 
+def started(words, cwd, **environment):
+    own = {name: value for name, value in os.environ.items() if name not in ("PALPA_PYTHON", "VIRTUAL_ENV", "CONDA_PREFIX", "PYTHONPATH")}
+    return subprocess.run([PALPA, "study", *words], cwd=cwd, env=own | environment, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_palpa_starts_python_for_a_script(in_studies):
+    folder = in_studies.folder
+    in_studies("paper")
+    done = started(["analyse", "paper", "--seed", "3", "--json", "by-python.json", "--html", "by-python.html", "--script", "by-python.py"], folder,
+                   PALPA_PYTHON=sys.executable)
+    wanted = run(["study", "analyse", "paper", "--seed", "3", "--json", "by-palpa.json"], cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, wanted, "")
+    assert not differences(*(json.loads((folder / f"by-{who}.json").read_text()) for who in ("palpa", "python")))
+    first = (folder / "by-python.html").read_bytes()
+    again = subprocess.run([sys.executable, "by-python.py"], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
+    assert again.returncode == 0, again.stderr
+    assert (folder / "by-python.html").read_bytes() == first, "without the module palpa in the path"
+    done = started(["compare", "paper", "by-palpa.json", "--quiet", "--script", "beside.py"], folder, PALPA_PYTHON=sys.executable)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "") and "study.compare(SOURCES)" in (folder / "beside.py").read_text()
+    log = "paper/sub-1/beh/sub-1_task-shapes_run-01_events.tsv"
+    before = (folder / log).read_bytes()
+    for words in (["--json", log], ["--csv", "a", "--html", "./a"]):
+        done = started(["analyse", "paper", "--script", "other.py", *words], folder, PALPA_PYTHON=sys.executable)
+        assert done.returncode == 2 and done.stderr.count("\n") == 1 and not (folder / "other.py").exists()
+    assert (folder / log).read_bytes() == before
+
+
+def test_which_python_palpa_starts(tmp_path):
+    """PALPA_PYTHON, else that of the active environment, else Debian's; one line if there is none."""
+    def python(name):
+        file = tmp_path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"#!/bin/sh\necho {name} $*\nexit 7\n")
+        file.chmod(0o755)
+        return str(file)
+    words = ["compare", "paper", "paper", "--quiet", "--script", "mine.py"]
+    environment, conda = python("venv/bin/python3"), python("conda/bin/python3")
+    given = {"VIRTUAL_ENV": str(tmp_path / "venv"), "CONDA_PREFIX": str(tmp_path / "conda")}
+    named = started(words, tmp_path, PALPA_PYTHON=python("named"), **given)
+    assert named.returncode == 7 and named.stdout.startswith("named ") and named.stdout.endswith("compare --script=mine.py --seed=0 --quiet -- paper paper\n")
+    assert started(words, tmp_path, **given).stdout.startswith("venv/bin/python3 ")
+    os.unlink(environment)
+    assert started(words, tmp_path, **given).stdout.startswith("conda/bin/python3 ")
+    os.unlink(conda)
+    missing = started(words, tmp_path, PALPA_PYTHON=str(tmp_path / "nowhere"))
+    assert missing.returncode == 1 and missing.stderr.count("\n") == 1 and "nowhere cannot be started: No such file or directory: install" in missing.stderr
+
+
 def test_outputs_that_would_destroy_something(in_studies, capsys):
     in_studies("paper")
     log = "paper/sub-1/beh/sub-1_task-shapes_run-01_events.tsv"
