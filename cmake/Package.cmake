@@ -118,6 +118,8 @@ if(TARGET palpa_python)
 endif()
 describe(libpalpa-dev libdevel "${dev}" "feel a 3-D model in mid-air: library for development"
          "This package has the engine as static libraries, with headers and a package\nfor CMake.")
-set(CPACK_DEBIAN_PALPA_PACKAGE_RECOMMENDS "mesa-vulkan-drivers | vulkan-icd, libopenblas0")
+# palpa study analyse --script starts Python.
+set(CPACK_DEBIAN_PALPA_PACKAGE_RECOMMENDS
+    "mesa-vulkan-drivers | vulkan-icd, libopenblas0, python3-pandas, python3-scipy, python3-matplotlib")
 set(CPACK_DEBIAN_PALPA-VIEWER_PACKAGE_RECOMMENDS "mesa-vulkan-drivers | vulkan-icd")
 include(CPack)

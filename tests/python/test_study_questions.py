@@ -3,6 +3,9 @@ whose truth is known."""
 import json
 import math
 import os
+import re
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -10,12 +13,15 @@ import pytest
 from scipy import special, stats
 
 import study_folders as made
+import commands
+from commands import ROOT
 from palpa import study
 from palpa.study import __main__ as command
 from palpa.study import statistics, table as tables, text
 
 pandas = pytest.importorskip("pandas")
 pytest.importorskip("matplotlib")
+PALPA = os.path.abspath(commands.PALPA)
 COLUMNS = ["participant", "run", "block", "trial", "condition", "method", "roughness", "roughness_time", "felt", "felt_time", "words", "words_time",
            "void", "played_share", "thinned_frames"]
 
@@ -244,8 +250,8 @@ def simulated(design, random, trials=40):
 
 
 def test_thresholds_of_simulated_people():
-    """The bias of a threshold and how often its interval is right, of people with 40 trials: some each day, 1000 in the matrix."""
-    people = 1000 if os.environ.get("PALPA_EXHAUSTIVE") else 100
+    """The bias of a threshold and how often its interval is right, of people with 40 trials: some each day, 4000 in the matrix."""
+    people = 4000 if os.environ.get("PALPA_EXHAUSTIVE") else 100
     for design in ("constant", "2 down", "3 down"):
         random, errors, inside, truths = np.random.default_rng(7), [], 0, []
         for number in range(people):
@@ -254,7 +260,7 @@ def test_thresholds_of_simulated_people():
             errors.append(found["threshold"] - truth)
             truths.append(truth)
             inside += found["interval"][0] <= truth <= found["interval"][1]
-        few = people < 1000
+        few = people < 4000
         noise = 2 * np.std(errors) / math.sqrt(people) / np.mean(truths) if few else 0
         assert abs(np.mean(errors) / np.mean(truths)) < 0.02 + noise, design
         assert 0.93 - 0.04 * few < inside / people < 0.97 + 0.04 * few, design
@@ -314,6 +320,34 @@ def test_a_report_of_ones_own_questions(rough, tmp_path, capsys):
     assert threshold["groups"][0]["threshold"] == pytest.approx(study.thresholds(table, "which")["groups"][0]["threshold"], rel=1e-9)
     first, again = (study.analysis_page(study.analyse(stairs)).text() for _ in range(2))
     assert first == again == (tmp_path / "b.html").read_text()
+
+
+def test_palpa_starts_python_for_questions_of_ones_own(rough, tmp_path):
+    words = [PALPA, "study", "analyse", "rough", "--html", "a.html", "--script", "mine.py", "--quiet"]
+    done = subprocess.run(words, cwd=tmp_path, env=os.environ | {"PALPA_PYTHON": sys.executable}, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert (tmp_path / "a.html").read_text() == study.analysis_page(study.analyse(rough)).text()
+    (tmp_path / "mine.py").unlink()
+    before = (rough / "trials.tsv").read_bytes()
+    for output in ("rough/trials.tsv", "rough/trials.json", "rough/sub-1/x"):
+        done = subprocess.run([*words, "--json", output], cwd=tmp_path, env=os.environ | {"PALPA_PYTHON": sys.executable}, capture_output=True, text=True,
+                              timeout=120, check=False)
+        assert done.returncode in (1, 2) and done.stderr.count("\n") == 1
+    assert (rough / "trials.tsv").read_bytes() == before and not (tmp_path / "mine.py").exists()
+
+
+def test_the_programs_of_the_page(tmp_path, monkeypatch):
+    """docs/python/study.md, from a folder to a figure of one's own."""
+    made.paper(tmp_path / "my-study")
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs/python/study.md").read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 2
+    names = {}
+    for block in blocks:
+        exec(block, names)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h2>By shape</h2>" in page and page.count("<svg") == 5 and names["page"]._repr_html_() in page
+    assert names["shares"].loc["cube", "cross-section"] == pytest.approx(names["result"]["methods"][1]["recall"][0])
 
 
 def test_names_of_the_package():

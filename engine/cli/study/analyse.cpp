@@ -1,5 +1,6 @@
 #include "study/analysis.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -34,6 +35,12 @@ void add_options_of_analyse(CLI::App& app, AnalyseCommand& o) {
   add_study_script(app, o.outputs);
 }
 
+/// Whether the study has questions of its own, which only Python analyses.
+bool asks_more(const std::string& source) {
+  std::error_code fault;
+  return std::filesystem::exists(std::filesystem::path(source) / "trials.tsv", fault);
+}
+
 bool is_folder(const std::string& source) {
   std::error_code fault;
   return std::filesystem::is_directory(source, fault);
@@ -62,6 +69,7 @@ void run_analyse(const AnalyseCommand& o) {
     analyse_counts(o, outputs);
     return;
   }
+  if (std::ranges::any_of(o.sources, asks_more)) leave_to_python("analyse", o.sources, o.common, o.outputs);
   study::Study study = study::read_study(o.sources);
   refuse_participants_folders(o.sources, files);
   leave_to_python("analyse", o.sources, o.common, o.outputs);

@@ -68,7 +68,7 @@ class Grid:
 def fit(levels, right, chance=0.5, share=0.75, seed=0):
     """The threshold of one person from the level of each trial and whether the answer was right.
 
-    The interval is that of a parametric bootstrap, corrected for bias: people are simulated with the shares that the posterior distribution
+    The interval is that of a parametric bootstrap: people are simulated with the shares that the posterior distribution
     expects, and fitted in the same way. The threshold is None for a single level, or if all answers or none were right."""
     levels, right = np.asarray(levels, float), np.asarray(right, bool)
     if levels.shape != right.shape or not np.isfinite(levels).all():
@@ -88,9 +88,7 @@ def fit(levels, right, chance=0.5, share=0.75, seed=0):
     width = float(grid.widths[np.argmax(of_widths >= 0.5)])
     random = np.random.Generator(np.random.PCG64(seed))
     again = grid.means(grid.posterior(random.binomial(trials, grid.right @ posterior, (RESAMPLES, len(places)))))
-    # Corrected for bias: where the estimate lies among those of the simulated people moves both ends.
-    shift = special.ndtri(np.clip((again < threshold).mean(), 0.02, 0.98))
-    low, high = np.quantile(again, special.ndtr(2 * shift + special.ndtri([0.025, 0.975])))
+    low, high = np.quantile(again, [0.025, 0.975])
     return found | {"threshold": threshold, "interval": [float(low), float(high)], "position": threshold - grid.shift * width, "width": width}
 
 
