@@ -112,10 +112,14 @@ if(TARGET palpa_python)
        OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
   set(CPACK_DEBIAN_PYTHON3-PALPA_PACKAGE_CONTROL_EXTRA
       "${PROJECT_BINARY_DIR}/python3-palpa/postinst;${PROJECT_BINARY_DIR}/python3-palpa/prerm")
-  set(CPACK_DEBIAN_PYTHON3-PALPA_PACKAGE_RECOMMENDS "mesa-vulkan-drivers | vulkan-icd")
+  # The last three are for the analysis of studies.
+  set(CPACK_DEBIAN_PYTHON3-PALPA_PACKAGE_RECOMMENDS
+      "mesa-vulkan-drivers | vulkan-icd, python3-pandas, python3-scipy, python3-matplotlib")
 endif()
 describe(libpalpa-dev libdevel "${dev}" "feel a 3-D model in mid-air: library for development"
          "This package has the engine as static libraries, with headers and a package\nfor CMake.")
-set(CPACK_DEBIAN_PALPA_PACKAGE_RECOMMENDS "mesa-vulkan-drivers | vulkan-icd, libopenblas0")
+# palpa study analyse --script starts Python.
+set(CPACK_DEBIAN_PALPA_PACKAGE_RECOMMENDS
+    "mesa-vulkan-drivers | vulkan-icd, libopenblas0, python3-pandas, python3-scipy, python3-matplotlib")
 set(CPACK_DEBIAN_PALPA-VIEWER_PACKAGE_RECOMMENDS "mesa-vulkan-drivers | vulkan-icd")
 include(CPack)

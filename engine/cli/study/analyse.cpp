@@ -1,5 +1,6 @@
 #include "study/analysis.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -31,6 +32,13 @@ void add_options_of_analyse(CLI::App& app, AnalyseCommand& o) {
       "folders of a study, with the participants' logs in sub-N/beh; or one file with a table of counts, actual "
       "shapes in rows and answers in columns");
   add_study_outputs(app, o.outputs, "one row per participant and method; for counts, one row");
+  add_study_script(app, o.outputs);
+}
+
+/// Whether the study has questions of its own, which only Python analyses.
+bool asks_more(const std::string& source) {
+  std::error_code fault;
+  return std::filesystem::exists(std::filesystem::path(source) / "trials.tsv", fault);
 }
 
 bool is_folder(const std::string& source) {
@@ -40,6 +48,7 @@ bool is_folder(const std::string& source) {
 
 void analyse_counts(const AnalyseCommand& o, const Outputs& outputs) {
   study::CountsFile file = study::read_counts(o.sources[0]);
+  leave_to_python("analyse", o.sources, o.common, o.outputs);
   std::vector<std::string> left_out;
   left_out.insert(left_out.end(), file.warnings.begin(), file.warnings.end());
   warn_of(left_out);
@@ -60,8 +69,10 @@ void run_analyse(const AnalyseCommand& o) {
     analyse_counts(o, outputs);
     return;
   }
+  if (std::ranges::any_of(o.sources, asks_more)) leave_to_python("analyse", o.sources, o.common, o.outputs);
   study::Study study = study::read_study(o.sources);
   refuse_participants_folders(o.sources, files);
+  leave_to_python("analyse", o.sources, o.common, o.outputs);
   warn_of(study.left_out);
   study.left_out = lines_in_reports(std::move(study.left_out), o.sources);
   const study::Analysis analysis = study::analyse(std::move(study), o.common.seed);

@@ -26,6 +26,7 @@ void add_options_of_compare(CLI::App& app, CompareCommand& o) {
               "a study has "
               "one table per method");
   add_study_outputs(app, o.outputs, "one row per table");
+  add_study_script(app, o.outputs);
 }
 
 void run_compare(const CompareCommand& o) {
@@ -48,6 +49,7 @@ void run_compare(const CompareCommand& o) {
   if (tables.size() < 2)
     throw bad_usage(
         "one table alone cannot be compared: give palpa study compare at least two, such as the word paper");
+  leave_to_python("compare", o.sources, o.common, o.outputs);
   const study::Comparison comparison = study::compare_tables(std::move(tables));
   left_out.insert(left_out.end(), comparison.not_compared.begin(), comparison.not_compared.end());
   warn_of(left_out);

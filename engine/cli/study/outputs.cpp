@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/files/output_file.hpp"
 #include "base/log.hpp"
+#include "cli/study/in_python.hpp"
 
 namespace palpa::cli {
 
@@ -20,8 +22,28 @@ void add_study_outputs(CLI::App& app, StudyOutputs& options, const std::string& 
   group.text("--csv", options.csv, "FILE|-", fmt::format("writes a table: {}", rows));
 }
 
+void add_study_script(CLI::App& app, StudyOutputs& options) {
+  const line::Group group(app, "A report of your own");
+  group.text("--script", options.script, "FILE",
+             "writes a Python program that makes the report, for changes of your own; Python does all of the command");
+}
+
+void leave_to_python(const std::string& command, const std::vector<std::string>& sources,
+                     const setup::CommonOptions& common, const StudyOutputs& options) {
+  if (options.script.empty()) return;
+  std::vector<std::string> words{command, "--script=" + options.script, "--seed=" + std::to_string(common.seed)};
+  for (const auto& [option, file] :
+       {std::pair("--json=", &common.json), {"--html=", &options.html}, {"--csv=", &options.csv}}) {
+    if (!file->empty()) words.push_back(option + *file);
+  }
+  if (common.quiet) words.emplace_back("--quiet");
+  words.emplace_back("--");
+  words.insert(words.end(), sources.begin(), sources.end());
+  run_in_python(std::move(words));
+}
+
 std::vector<Output> outputs_of(const setup::CommonOptions& common, const StudyOutputs& options) {
-  return {{"--json", common.json}, {"--html", options.html}, {"--csv", options.csv}};
+  return {{"--json", common.json}, {"--html", options.html}, {"--csv", options.csv}, {"--script", options.script}};
 }
 
 void refuse_participants_folders(const std::vector<std::string>& studies, const std::vector<Output>& outputs) {

@@ -10,12 +10,18 @@
 
 namespace palpa::cli {
 
-/// --html and --csv, beside the common --json.
+/// --html and --csv, beside the common --json; of some commands, --script.
 struct StudyOutputs {
-  std::string html, csv;
+  std::string html, csv, script;
 };
 /// `rows`: what a row of the CSV is about, such as "one row per participant and method".
 void add_study_outputs(CLI::App& app, StudyOutputs& options, const std::string& rows);
+/// --script, with which the analysis in Python does the work.
+void add_study_script(CLI::App& app, StudyOutputs& options);
+/// If the line has --script, Python does all of it, and this does not return. The inputs must have been read, so that
+/// an output that is one of them has been refused.
+void leave_to_python(const std::string& command, const std::vector<std::string>& sources,
+                     const setup::CommonOptions& common, const StudyOutputs& options);
 
 /// The reports of a result, computed only if they are written.
 struct Reports {

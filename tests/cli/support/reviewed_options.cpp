@@ -315,8 +315,8 @@ ReviewedLine of_study(const std::string& line, const std::string& untried, const
 
 std::vector<ReviewedLine> of_studies() {
   const std::string plan = "ROOT/assets/studies/paper.toml";
-  return {of_study("analyse none", "--html --csv"),
-          of_study("compare paper", "--html --csv"),
+  return {of_study("analyse none", "--html --csv --script"),
+          of_study("compare paper", "--html --csv --script"),
           of_study("level " + plan, "", {{"--override has no effect", {"--override x"}}}),
           of_study("plan " + plan, "--participant --csv", {{"--seed belongs to the plan", {"--seed 1"}}}),
           of_study("rehearse " + plan + " --participant 1 --out none/x", "--participant --out --accuracy"),
