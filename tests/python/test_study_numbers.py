@@ -103,7 +103,7 @@ def test_damaged_studies_are_read_alike(seed, tmp_path, monkeypatch, capsys):
     code = command.main(["analyse", "study", "--json", "mine.json"])
     out, err = capsys.readouterr()
     assert (code, err) == (done.returncode, done.stderr.decode("utf-8", "replace"))
-    # Where all rows of a method are left out, the C++ program prints a number that is none.
+    # The C++ program prints -nan for a method whose rows are all left out.
     assert out == done.stdout.decode("utf-8", "replace").replace("mean accuracy -nan of 0", "mean accuracy - of 0")
     if code == 0:
         assert not differences(*(json.loads((tmp_path / f"{who}.json").read_text()) for who in ("told", "mine")))
