@@ -137,8 +137,9 @@ frequency : float, optional
     Hertz, for which the transducers are made. The default is 40 kHz.
 transducer_radius : float, optional
     Metres, of the sounding part. The default is 4.5 mm.
-amplitude_law : {'distance', 'uniform'}, optional
-    The amplitudes of a focus that sounds alone: proportional to distance, as in the paper, or all 1, the default.
+amplitude_law : str, optional
+    The amplitudes of a focus that sounds alone: "distance", proportional to it as in the paper, or "uniform", all 1,
+    which is the default.
 pose : array_like, shape (4, 4), optional
     From its own frame to the world, if no rig says otherwise. The default is 150 mm below the origin, facing up.
 

@@ -18,12 +18,13 @@ std::vector<std::vector<SlotFocus>> slots_of(const std::vector<int>& sizes) {
   for (const int size : sizes) {
     slots.emplace_back();
     for (int i = 0; i < size; ++i)
-      slots.back().push_back({{0.02 * (i % 8), 0.02 * (i / 8), 0.15}, 1, {}});
+      slots.back().push_back({{0.02 * (i % 8), 0.02 * (i / 8), 0.15}, i % 2 == 0 ? 1.0F : 0.5F, {}});
   }
   return slots;
 }
 
-// What a kernel writes, the next one of these slots reads or writes.
+// Unequal gains: the device solves all of these slots. What a kernel writes, the next one of these slots reads or
+// writes.
 TEST(MissingBarriers, AreSeenAfterEachKernelOfTheArray) {
   const Layout layout = load_layout("paper");
   constexpr int few = 3, many = 40;

@@ -10,7 +10,7 @@ from test_unlike_cameras import BESIDE
 from test_unlike_solids import write_scene
 
 TOUCH = "--scene assets/cube.glb --points assets/finger.ply --penetration 3mm --backend cpu"
-PLAN = '[[shape]]\nname = "a"\nmodel = "palpa:cube.glb"\n[[shape]]\nname = "b"\nmodel = "palpa:prism.glb"\n[[method]]\nname = "single-focus"\nlayout = "openmpd"\n[level]\nceiling = {}\n'
+PLAN = '[[shape]]\nname = "a"\nmodel = "palpa:cube.glb"\n[[shape]]\nname = "b"\nmodel = "palpa:prism.glb"\n[[method]]\nname = "single-focus"\nlayout = "openmpd"\namplitude = "distance"\nconstraint = "normalise"\n[level]\nceiling = {}\n'
 
 
 def said(words):

@@ -26,7 +26,7 @@ EXPORT = f"export --source {TAKE} --foci OUT/foci.json --events OUT/events.jsonl
 # The line on which an option is tried: one that names it, else the command's first.
 LINES = {
     "touch": {
-        "": f"touch --scene IN/two.glb {TOUCH} --layout openmpd", "solver": f"touch --scene assets/prism.glb {TOUCH} --layout openmpd --method multi-focus",
+        "": f"touch --scene IN/two.glb {TOUCH} --layout openmpd", "solver constraint": f"touch --scene assets/prism.glb {TOUCH} --layout openmpd --method multi-focus",
         "modulation modulation-frequency": f"touch --scene assets/prism.glb {TOUCH} --method single-focus --spectrum",
         "spot tune-longest tune-shortest": f"touch --scene assets/cube.glb {TOUCH} --tune --tune-shortest 1ms --tune-longest 2ms",
         "internal-faces parts": f"touch --scene IN/two.glb {TOUCH} {PARTS}",
@@ -34,18 +34,19 @@ LINES = {
         "rig": "touch --scene assets/cube.glb --depth assets/depth/hand.png --rig assets/depth/camera.toml",
         "steps": f"touch --scene assets/prism.glb {TOUCH} --layout openmpd --audible"},
     "drive": {
-        "": f"drive {AIM}", "draws seed": f"drive {AIM} --spread phase=0.1 --draws 20", "slot touch": "drive --layout openmpd --touch IN/touch.json",
+        "": f"drive {AIM}", "amplitude": "drive --layout openmpd --focus 0,0,10cm", "draws seed": f"drive {AIM} --spread phase=0.1 --draws 20", "slot touch": "drive --layout openmpd --touch IN/touch.json",
         "mesh": "drive --layout openmpd --focus 0,0,10cm --transfer finger --mesh IN/above.ply",
         "force": "drive --layout openmpd --focus 0,0,10cm --transfer finger --mesh IN/coarse.ply"},
     "field": {
         "": f"field {AIM} --solver gs-pat --pressure 300Pa --plane xz --centre 0,0,10cm --size 2cm,2cm --pixels 4,4", "null solver constraint": f"field {AIM} --plane xz --centre 0,0,10cm --size 2cm,2cm --pixels 4,4",
+        "amplitude": "field --layout openmpd --focus 0,0,10cm --plane xz --centre 0,0,10cm --size 2cm,2cm --pixels 4,4",
         "line samples": f"field {AIM} --line 0,0,9cm 0,0,11cm --samples 5",
         "centre draws seed": f"field {AIM} --plane xz --size 2cm,2cm --pixels 4,4 --spread phase=0.1 --draws 20", "points": f"field {AIM} --points IN/above.ply",
         "drive": "field --layout openmpd --drive IN/drive.csv --points IN/above.ply"},
     "simulate": {
         "": f"{SIMULATE} --scene assets/cube.glb", "dwell modulation modulation-frequency spot": f"{SIMULATE} --scene assets/cube.glb --method single-focus --spectrum",
         "tune-longest tune-shortest": f"{SIMULATE} --scene assets/prism.glb --tune --tune-shortest 1ms --tune-longest 2ms",
-        "solver": f"{SIMULATE} --scene assets/cube.glb --method multi-focus", "draws seed": f"{SIMULATE} --scene assets/cube.glb --spread phase=0.1 --draws 20",
+        "solver constraint": f"{SIMULATE} --scene assets/cube.glb --method multi-focus", "draws seed": f"{SIMULATE} --scene assets/cube.glb --spread phase=0.1 --draws 20",
         "gltf-scene delta surface": f"{SIMULATE} --scene IN/two.glb", "parts": f"{SIMULATE} --scene IN/two.glb {PARTS}",
         "noise-free": f"{SIMULATE} --scene assets/cube.glb --skin cameras", "force": f"{SIMULATE} --scene assets/cube.glb".replace("tip", "coarse"),
         "rig": f"{SIMULATE} --scene assets/cube.glb".replace("--layout openmpd", "")},
@@ -54,7 +55,7 @@ LINES = {
         "humidity": f"scatter --mesh IN/above.ply {DRIVEN} --absorption", "force": "scatter --mesh IN/coarse.ply --plane-wave 0,0,1",
         "layout point-source": "scatter --mesh IN/pebble.ply"},
     "export": {
-        "": f"{EXPORT} --scene IN/two.glb", "directivity hysteresis solver": f"{EXPORT} --scene assets/prism.glb --method multi-focus",
+        "": f"{EXPORT} --scene IN/two.glb", "constraint directivity hysteresis solver": f"{EXPORT} --scene assets/prism.glb --method multi-focus",
         "modulation modulation-frequency": f"{EXPORT} --scene assets/prism.glb --method single-focus", "tune": f"{EXPORT} --scene assets/cube.glb --dwell 0.8ms",
         "internal-faces parts": f"{EXPORT} --scene IN/two.glb {PARTS}", "frequency": f"{EXPORT} --scene IN/two.glb".replace("openmpd", "IN/bare.toml"),
         "noise-free rig seed": f"{EXPORT.replace(TAKE, 'synthetic')} --frames 2 --scene assets/cube.glb"},
@@ -67,8 +68,8 @@ VALUES = {
     "points": "IN/tip.ply", "camera": "IN/camera.toml", "depth": f"{ROOT}/assets/depth/take/000006-0.png", "rig": "assets/rigs/openmpd-one.toml", "touch rig": "IN/camera.toml", "layout": "sonicsurface",
     "delta": "1mm", "simulate delta": "0.5mm", "finger-gap": "0.1mm", "min-points": "100000", "finger-width": "0", "cluster": "inside", "foci": "7", "foci-count": "7",
     "spacing": "arc", "stride": "1", "dwell": "2ms", "method": "ellipse", "modulation": "amplitude-sine", "modulation-frequency": "150Hz",
-    "spot": "5mm", "tune-shortest": "1.9ms", "tune-longest": "1.1ms", "simulate tune-longest": "1.01ms", "simulate scene": "assets/prism.glb", "steps": "off", "amplitude": "uniform", "solver": "greedy",
-    "constraint": "uniform", "pressure": "500Pa", "directivity": "omni", "temperature": "30", "sound-speed": "350m/s", "frequency": "41kHz",
+    "spot": "5mm", "tune-shortest": "1.9ms", "tune-longest": "1.1ms", "simulate tune-longest": "1.01ms", "simulate scene": "assets/prism.glb", "steps": "off", "amplitude": "distance", "solver": "greedy",
+    "constraint": "normalise", "pressure": "500Pa", "directivity": "omni", "temperature": "30", "sound-speed": "350m/s", "frequency": "41kHz",
     "spread": "amplitude=10% --draws 20", "draws": "30", "focus": "0,1cm,9cm", "null": "0,2cm,10cm", "touch": "IN/other.json", "slot": "2",
     "mesh": "IN/wide.ply", "transfer": "finger", "drive transfer": "finger --mesh IN/above.ply", "plane": "yz", "centre": "0,0,9cm", "size": "3cm,2cm", "pixels": "5,3", "line": "0,0,8cm 0,0,9cm",
     "samples": "7", "drive": "IN/other.csv", "humidity": "20", "air-pressure": "90kPa", "finger": "IN/other.ply", "simulate rig": "assets/rigs/openmpd-two.toml", "skin": "cameras",

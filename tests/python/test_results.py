@@ -66,7 +66,7 @@ def write_png16(file, pixels):
 
 def test_the_drive_of_the_paper(openmpd):
     focus = np.array([0.01, 0.02, 0.15])
-    drive = openmpd.drive(focus, backend="cpu")
+    drive = openmpd.drive(focus, amplitude="distance", backend="cpu")
     distance = np.linalg.norm(openmpd.positions - focus, axis=1)
     k = 2 * np.pi * 40e3 / (331.3 * np.sqrt(1 + 20 / 273.15))
     expected = distance / distance.max() * np.exp(-1j * k * distance)

@@ -79,7 +79,7 @@ def test_a_key_of_a_board_changes_only_its_transducers(folder, name, key):
             if not np.array_equal(part, parts_of(before, ORDERS[0], before.transfer(FOCI).T)[other])} == {name}
 
 
-SOLVERS = [{}, {"solver": "greedy"}, {"solver": "gs-pat", "pressure": 300}, {"solver": "eigenvalue", "amplitude": "uniform"}, {"constraint": "uniform"}, {"directivity": "piston"},
+SOLVERS = [{}, {"solver": "naive", "constraint": "normalise"}, {"solver": "gs-pat"}, {"solver": "greedy"}, {"solver": "gs-pat", "pressure": 300}, {"solver": "eigenvalue", "amplitude": "uniform"}, {"constraint": "uniform"}, {"directivity": "piston"},
            {"nulls": [[0.0, 0.04, 0.15]]}]
 
 
@@ -88,12 +88,14 @@ def test_drives_and_their_sound_do_not_depend_on_the_order(folder, options):
     first, *others = (layout_of(folder, order) for order in ORDERS)
     solved = first.solve(FOCI, backend="cpu", **options)
     parts, sound = parts_of(first, ORDERS[0], solved.vector), first.field(solved, FOCI, backend="cpu").pressure
-    near = {"rtol": 0.15} if options.get("solver") == "greedy" else {"rtol": 5e-3}  # one transducer after the other
+    # They take one transducer after the other, or begin with some of them, so that other drives may be as good.
+    one_by_one, seeks = options.get("solver") == "greedy", options.get("solver", "gs-pat") == "gs-pat" and not {"pressure", "nulls"} & set(options)
+    near = {"rtol": 0.15} if one_by_one else {"rtol": 0.02} if seeks else {"rtol": 5e-3}
     for order, layout in zip(ORDERS[1:], others):
         again = layout.solve(FOCI, backend="cpu", **options)
         heard = layout.field(again, FOCI, backend="cpu").pressure
         turn = sound[0] / heard[0] / abs(sound[0] / heard[0])  # the phase of all is free
-        if options.get("solver") != "greedy":
+        if not one_by_one and not seeks:
             assert same({name: part * turn for name, part in parts_of(layout, order, again.vector).items()}, parts, atol=5e-3)
         assert np.allclose(again.pressures, solved.pressures, **near) and np.allclose(np.abs(heard), np.abs(sound), **near)
 

@@ -54,6 +54,21 @@ std::string text_of(const setup::LiveOptions& o) {
                      o.safety.ceiling, o.hold_s, o.hold_auto, static_cast<int>(o.common.backend));
 }
 
+TEST(OptionsOfAMethod, HaveItsDrives) {
+  Asked a = asked();
+  const auto drive_of = [&](std::size_t method) {
+    return options_of_method(a.plan, method, a.run, "shapes.glb").drive;
+  };
+  study::PlanMethod& one = a.plan.methods[0];
+  one.amplitude = array::Weighting::distance;
+  one.solver = array::Solver::naive;
+  one.constraint = array::Constraint::clamp;
+  EXPECT_EQ(drive_of(0).weighting, array::Weighting::distance);
+  EXPECT_EQ(drive_of(0).solver, setup::SolverChoice::naive);
+  EXPECT_EQ(drive_of(0).constraint, array::Constraint::clamp);
+  EXPECT_FALSE(drive_of(1).weighting || drive_of(1).solver || drive_of(1).constraint) << "as a run does";
+}
+
 TEST(OptionsOfAMethod, AreItsOwnWhateverItsPlace) {
   Asked a = asked();
   const std::string one = text_of(options_of_method(a.plan, 0, a.run, "shapes.glb"));
