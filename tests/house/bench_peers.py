@@ -61,8 +61,9 @@ def acoustools_solver():
     def solve(layout, foci):
         board = torch.tensor(np.asarray(layout.positions), dtype=torch.float32)
         points = torch.tensor(foci.T[None], dtype=torch.float32)
-        matrix = forward_model(points, board)
-        drive = wgs(points, iter=200, board=board, A=matrix).detach().numpy().reshape(-1)
+        normals = torch.tensor(np.asarray(layout.axes)).to(torch.complex64)  # its own would be 0 at z = 0
+        matrix = forward_model(points, board, norms=normals)
+        drive = wgs(points, iterations=200, board=board, A=matrix).detach().numpy().reshape(-1)
         return drive / np.abs(drive)
 
     return {"AcousTools wgs": solve}
