@@ -174,6 +174,7 @@ class Bench:
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started this with it ignored, and palpa would inherit that
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("what", nargs="*", choices=["drives", "rate", "ends", "losses", []])
     options.add_argument("--seconds", type=float, default=60)

@@ -383,6 +383,7 @@ def package(stage, python):
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have started this with it ignored, and palpa would inherit that
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--built", action="store_true")
     options.add_argument("--palpa", default=ROOT / "build/release/bin/palpa", type=pathlib.Path)
